@@ -1,0 +1,147 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""AOV graph (activity on vertex) of a rung: papers 2 and 3.
+
+A symbol vertex is a component that does something; a virtual vertex is a vertical line, given by
+(column, first row, last row), or the power rail.  Horizontal lines are arcs and nothing else.  A
+virtual vertex with several successors is a *root*, one with several predecessors an *assembly
+point*; a chain of components between two of them, or from one to an output, is a *branch*.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ladder_ros.compiler.symbols import Operand, Ref, Resolved
+from ladder_ros.compiler.wiring import Rail, describe
+from ladder_ros.model.component import Block, Component, Contact, Instance
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SymbolVertex:
+    """A component in the graph.
+
+    ``path`` is the component's id, behind the path of the inline instance that it comes from
+    (``i1/2/c3``: component c3 of rung 2 of instance i1).  ``resolved`` refers to names of the POU
+    that the graph belongs to; ``instance`` is the block's or composite's instance there, and
+    ``memory`` the hidden variable of an edge contact or coil.
+    """
+
+    id: int
+    path: str
+    component: Component
+    resolved: Resolved
+    instance: str = ''
+    memory: Ref | None = None
+
+    def __str__(self) -> str:
+        return f's{self.id}'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VirtualVertex:
+    """A vertical line on grid line ``column`` from row ``first`` to row ``last``, or a rail."""
+
+    id: int
+    column: int
+    first: int
+    last: int
+    rail: Rail = Rail.NONE
+
+    def __str__(self) -> str:
+        return f'V{self.id}({self.column}, {self.first}, {self.last})'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arc:
+    """Power flow from a vertex to another; a pin is empty where it is the main power pin."""
+
+    source: int
+    target: int
+    source_pin: str = ''
+    target_pin: str = ''
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Aov:
+    """The graph of a rung.  ``symbols`` stand in the order in which a scan evaluates them.
+
+    That is the topological order of power flow and direct data connections, ties by (row, column,
+    id), an inline composite's components standing together (DESIGN section 3).
+    """
+
+    rung: str
+    comment: str
+    symbols: tuple[SymbolVertex, ...]
+    virtuals: tuple[VirtualVertex, ...]
+    arcs: tuple[Arc, ...]
+
+    def degrees(self) -> tuple[dict[int, int], dict[int, int]]:
+        """Return in-degree and out-degree by vertex id."""
+        into: dict[int, int] = defaultdict(int)
+        out: dict[int, int] = defaultdict(int)
+        for arc in self.arcs:
+            into[arc.target] += 1
+            out[arc.source] += 1
+        return into, out
+
+    def branches(self) -> tuple[tuple[int, tuple[int, ...], int | None], ...]:
+        """Return each branch: root, its chain of symbols, assembly point (None: an output)."""
+        after: dict[int, list[int]] = defaultdict(list)
+        for arc in self.arcs:
+            after[arc.source].append(arc.target)
+        virtual = {vertex.id: vertex for vertex in self.virtuals}
+        found: list[tuple[int, tuple[int, ...], int | None]] = []
+        for start in self.virtuals:
+            for target in after[start.id]:
+                chain: list[int] = []
+                at: int | None = target
+                while at is not None and at not in virtual:
+                    chain.append(at)
+                    at = after[at][0] if after[at] else None
+                end = None if at is None or virtual[at].rail is Rail.RIGHT else at
+                found.append((start.id, tuple(chain), end))
+        return tuple(found)
+
+    def __str__(self) -> str:
+        return '\n'.join(self._print())
+
+    def _print(self) -> Iterator[str]:
+        into, out = self.degrees()
+        name = {v.id: str(v) for v in self.virtuals} | {s.id: s.path for s in self.symbols}
+        after: dict[int, list[str]] = defaultdict(list)
+        for arc in self.arcs:
+            text = name[arc.target] + (f'.{arc.target_pin}' if arc.target_pin else '')
+            after[arc.source].append((f'{arc.source_pin}:' if arc.source_pin else '') + text)
+        yield f'rung {self.rung}' + (f'  -- {self.comment}' if self.comment else '')
+        for vertex in self.virtuals:
+            kinds = [vertex.rail.value] if vertex.rail is not Rail.NONE else []
+            if out[vertex.id] > 1:
+                kinds.append('root')
+            if into[vertex.id] > 1:
+                kinds.append('assembly point')
+            yield (f'  {name[vertex.id]:18} {", ".join(kinds) or "vertical line":22} -> '
+                   f'{", ".join(after[vertex.id]) or "."}')
+        for symbol in self.symbols:
+            yield (f'  {symbol.path:18} {describe(symbol.component):22} -> '
+                   f'{", ".join(after[symbol.id]) or "."}')
+        for start, chain, end in self.branches():
+            middle = ' '.join(name[i] for i in chain) or '(line)'
+            yield f'  branch {name[start]}: {middle} => {name[end] if end is not None else "output"}'
+
+
+def reads_and_writes(symbol: SymbolVertex) -> tuple[tuple[Operand, ...], tuple[Operand, ...]]:
+    """Return what evaluating the vertex reads, and what it writes (private memory left out)."""
+    resolved = symbol.resolved
+    component = symbol.component
+    operands = tuple(operand for _, operand in resolved.inputs)
+    if isinstance(component, Block):
+        return operands, tuple(ref for _, ref in resolved.outputs)
+    if isinstance(component, Instance):
+        return operands, operands
+    assert resolved.operand is not None
+    if isinstance(component, Contact):
+        return (resolved.operand,), ()
+    return (), (resolved.operand,)

@@ -1,0 +1,92 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Print what a stage made of a program, for `ladder dump`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+from ladder_ros.compiler.il import InstructionList
+from ladder_ros.compiler.il_text import print_il
+from ladder_ros.compiler.il_to_python import emit_python
+from ladder_ros.compiler.link import lay_out, link_code, list_components
+from ladder_ros.compiler.pipeline import Stages, analyse, build_trees, lower
+from ladder_ros.compiler.symbols import pou_key
+from ladder_ros.diagnostics import LadderError, has_errors
+from ladder_ros.model.program import Body, Pou, Program
+
+
+def dump_stage(program: Program, stage: str, pou: str | None = None) -> str:
+    """Return the text of a stage (one of STAGES), for one POU or all.
+
+    Raises LadderError if the program has errors before that stage, or lacks the POU (L0502).
+    """
+    stages = analyse(program)
+    if has_errors(stages.diagnostics):
+        raise LadderError(stages.diagnostics)
+    return _DUMPS[stage](program, stages, pou)
+
+
+def _chosen(program: Program, pou: str | None) -> list[Pou]:
+    pous: list[Pou] = [*program.composites, *program.bodies]
+    if pou is None:
+        return pous
+    chosen = [p for p in pous if p.name.casefold() == pou.casefold()]
+    if not chosen:
+        raise LadderError.of('L0502', program.location, ', '.join(p.name for p in pous),
+                             name=pou, hint='')
+    return chosen
+
+
+def _sections(
+    program: Program, pou: str | None, parts: Mapping[str, Sequence[object]],
+) -> str:
+    lines: list[str] = []
+    for chosen in _chosen(program, pou):
+        kind = 'body' if isinstance(chosen, Body) else f'{chosen.call.value} composite'
+        lines.append(f'{kind} {chosen.name}')
+        lines += [str(part) for part in parts.get(pou_key(chosen), ())]
+        lines.append('')
+    return '\n'.join(lines)
+
+
+def _wiring(program: Program, stages: Stages, pou: str | None) -> str:
+    return _sections(program, pou, stages.wirings)
+
+
+def _aov(program: Program, stages: Stages, pou: str | None) -> str:
+    return _sections(program, pou, stages.graphs)
+
+
+def _tree(program: Program, stages: Stages, pou: str | None) -> str:
+    return _sections(program, pou, build_trees(program, stages, inline=True))
+
+
+def _code(program: Program, stages: Stages, pou: str | None) -> InstructionList:
+    code = link_code(program, lower(build_trees(program, stages)))
+    if pou is None:
+        return code
+    names = {p.name.casefold() for p in _chosen(program, pou)}
+    return InstructionList(routines=tuple(
+        routine for routine in code.routines
+        if routine.name.casefold() in names or not routine.is_body))
+
+
+def _il(program: Program, stages: Stages, pou: str | None) -> str:
+    return print_il(_code(program, stages, pou))
+
+
+def _python(program: Program, stages: Stages, pou: str | None) -> str:
+    code = _code(program, stages, pou)
+    slots = {slot.path.casefold(): slot for slot in lay_out(program, stages.symbols, code)}
+    components = list_components(program, code, stages.graphs, slots)
+    return emit_python(
+        code, {path: slot.index for path, slot in slots.items()},
+        {entry.path: entry.index for entry in components}).text
+
+
+_DUMPS: Mapping[str, Callable[[Program, Stages, 'str | None'], str]] = {
+    'wiring': _wiring, 'aov': _aov, 'tree': _tree, 'il': _il, 'python': _python}
+
+STAGES = tuple(_DUMPS)
+"""The stages that can be printed, in the order of the pipeline."""

@@ -1,0 +1,149 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Instruction list: the stack-machine code between compiler and backends.
+
+The machine has a stack of BOOL results, whose top is the *current result*, and a second stack of
+saved results (the *memory* of MPS).  Each network starts with both empty and ends with one result.
+
+===========================  ======================================================================
+LD LDN x                     push x, or its negation
+AND ANDN OR ORN x            combine the current result with x
+LDP ANDP ORP x, m            as LD AND OR with the rising edge of x; m holds the last x
+LDF ANDF ORF x, m            the same with the falling edge
+ANB ORB                      pop a result and combine it with the one below
+MPS                          save the current result in the memory
+MRD MPP                      current result := the saved one; MPP removes it from the memory
+LRD LPP                      as MRD MPP, but push (as LD does), so that ORB can join the two
+DRP                          drop the current result
+ST STN x                     x := current result, or its negation
+S R x                        x := TRUE, or FALSE, if the current result is TRUE
+STP STF x, m                 x := rising, or falling, edge of the current result; m holds the last
+CAL type instance            call a function block: current result -> power input, output -> result
+FUN type                     call a function: current result -> EN, ENO or OUT -> result
+EXE composite instance       execute the instance's routine if the current result is TRUE; when that
+                             ends, release the routine's timers once
+===========================  ======================================================================
+
+IEC 61131-3 (tables 52 and 53) has LD to R and CAL; ANB, ORB, MPS, MRD, MPP and the pulse forms are
+those of Mitsubishi's lists; LRD, LPP, DRP and EXE are ours (a branch that needs the root's power
+inside a parallel one).  EXE leaves the result as it is: ENO is EN.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+
+from ladder_ros.compiler.symbols import Operand, Ref
+from ladder_ros.model.types import DataType
+
+
+class Op(Enum):
+    """An operator."""
+
+    LD = 'LD'
+    LDN = 'LDN'
+    LDP = 'LDP'
+    LDF = 'LDF'
+    AND = 'AND'
+    ANDN = 'ANDN'
+    ANDP = 'ANDP'
+    ANDF = 'ANDF'
+    OR = 'OR'
+    ORN = 'ORN'
+    ORP = 'ORP'
+    ORF = 'ORF'
+    ANB = 'ANB'
+    ORB = 'ORB'
+    MPS = 'MPS'
+    MRD = 'MRD'
+    MPP = 'MPP'
+    LRD = 'LRD'
+    LPP = 'LPP'
+    DRP = 'DRP'
+    ST = 'ST'
+    STN = 'STN'
+    S = 'S'
+    R = 'R'
+    STP = 'STP'
+    STF = 'STF'
+    CAL = 'CAL'
+    FUN = 'FUN'
+    EXE = 'EXE'
+
+
+LOADS = frozenset({Op.LD, Op.LDN, Op.LDP, Op.LDF})
+EDGES = frozenset({Op.LDP, Op.LDF, Op.ANDP, Op.ANDF, Op.ORP, Op.ORF, Op.STP, Op.STF})
+STORES = frozenset({Op.ST, Op.STN, Op.S, Op.R, Op.STP, Op.STF})
+BARE = frozenset({Op.ANB, Op.ORB, Op.MPS, Op.MRD, Op.MPP, Op.LRD, Op.LPP, Op.DRP})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Call:
+    """What CAL, FUN and EXE call.
+
+    ``name`` is the block's type, or for EXE the composite.  ``instance`` is the path of the function
+    block or composite instance (the routine's name); ``type`` what a function's generic pins stand
+    for.  ``inputs`` are all but the power input; ``outputs`` those that are written to a variable.
+    """
+
+    name: str
+    instance: str = ''
+    type: DataType = DataType.BOOL
+    inputs: tuple[tuple[str, Operand], ...] = ()
+    outputs: tuple[tuple[str, Ref], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Instruction:
+    """An operator and what it works on.
+
+    ``component`` is the path of the component whose evaluation ends here, or empty.
+    """
+
+    op: Op
+    operand: Operand | None = None
+    memory: Ref | None = None
+    call: Call | None = None
+    component: str = ''
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Network:
+    """The code of a rung."""
+
+    rung: str
+    code: tuple[Instruction, ...]
+    comment: str = ''
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Routine:
+    """The code of a program body, or of one instance of an enabled composite."""
+
+    name: str
+    networks: tuple[Network, ...]
+    is_body: bool = True
+
+    def instructions(self) -> Iterator[Instruction]:
+        """Yield every instruction in order."""
+        for network in self.networks:
+            yield from network.code
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InstructionList:
+    """The code of a program: a routine a body, and one an instance of an enabled composite."""
+
+    routines: tuple[Routine, ...]
+
+
+def active_flag(instance: str) -> Ref:
+    """Return the hidden variable that says whether an enabled composite was executed last time."""
+    return Ref(path=f'{instance}.%active', type=DataType.BOOL)
+
+
+def temporary(number: int) -> Ref:
+    """Return the temporary of that number; it lives as long as its network."""
+    return Ref(path=f'%T{number}', type=DataType.BOOL)

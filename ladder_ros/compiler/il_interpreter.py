@@ -1,0 +1,220 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The reference backend: a plain interpreter of the instruction list, slow and obvious."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from ladder_ros.blocks import FUNCTION_BLOCKS, FUNCTIONS, RELEASE
+from ladder_ros.compiler.il import (
+    Call, Instruction, InstructionList, Network, Op, Routine, active_flag)
+from ladder_ros.compiler.symbols import Operand, Ref
+from ladder_ros.diagnostics import InternalError
+from ladder_ros.executable import Scan, State
+from ladder_ros.model.catalogue import CATALOGUE
+from ladder_ros.model.types import DataType, Value, default_value
+
+_CONTACTS = {
+    Op.LD: '', Op.AND: '', Op.OR: '', Op.LDN: 'N', Op.ANDN: 'N', Op.ORN: 'N',
+    Op.LDP: 'P', Op.ANDP: 'P', Op.ORP: 'P', Op.LDF: 'F', Op.ANDF: 'F', Op.ORF: 'F',
+}
+
+
+def interpret_il(
+    code: InstructionList, slots: Mapping[str, int], components: Mapping[str, int],
+    forced: frozenset[int] = frozenset(),
+) -> dict[str, Scan]:
+    """Return a scan function for each body.
+
+    ``slots`` gives each variable's place in the state by casefolded path, ``components`` each
+    component's place in power flow by path; slots in ``forced`` are never written.
+    """
+    routines = {(routine.is_body, routine.name): routine for routine in code.routines}
+
+    def scan_of(body: Routine) -> Scan:
+        def scan(state: State, now: int, power: list[bool] | None) -> None:
+            if power is not None:
+                for index in range(len(power)):
+                    power[index] = False
+            machine = _Machine(
+                routines=routines, slots=slots, components=components, forced=forced,
+                state=state, now=now, power=power)
+            machine.run(body)
+        return scan
+
+    return {body.name: scan_of(body) for body in code.routines if body.is_body}
+
+
+@dataclass(slots=True, kw_only=True)
+class _Machine:
+    routines: Mapping[tuple[bool, str], Routine]
+    slots: Mapping[str, int]
+    components: Mapping[str, int]
+    forced: frozenset[int]
+    state: State
+    now: int
+    power: list[bool] | None
+    stack: list[bool] = field(default_factory=list)
+    memory: list[bool] = field(default_factory=list)
+    temporaries: dict[str, bool] = field(default_factory=dict)
+
+    def run(self, routine: Routine) -> None:
+        for network in routine.networks:
+            self._network(network)
+
+    def _network(self, network: Network) -> None:
+        outer = self.stack, self.memory, self.temporaries
+        self.stack, self.memory, self.temporaries = [], [], {}
+        for instruction in network.code:
+            self._step(instruction)
+            if self.power is not None and instruction.component:
+                self.power[self.components[instruction.component]] = self.stack[-1]
+        self.stack, self.memory, self.temporaries = outer
+
+    def read(self, operand: Operand) -> Value:
+        """Return the value of a literal, a temporary or a variable."""
+        if not isinstance(operand, Ref):
+            return operand.value
+        if operand.path.startswith('%T'):
+            return self.temporaries[operand.path]
+        return self.state[self.slots[operand.path.casefold()]]
+
+    def write(self, ref: Operand, value: Value) -> None:
+        """Write a temporary or a variable, unless that is forced."""
+        assert isinstance(ref, Ref)
+        if ref.path.startswith('%T'):
+            self.temporaries[ref.path] = bool(value)
+            return
+        index = self.slots[ref.path.casefold()]
+        if index not in self.forced:
+            self.state[index] = value
+
+    def _step(self, instruction: Instruction) -> None:
+        op = instruction.op
+        if op in _CONTACTS:
+            self._contact(instruction)
+        elif op is Op.ANB or op is Op.ORB:
+            value = self.stack.pop()
+            below = self.stack.pop()
+            self.stack.append(below and value if op is Op.ANB else below or value)
+        elif op is Op.MPS:
+            self.memory.append(self.stack[-1])
+        elif op in (Op.MRD, Op.MPP, Op.LRD, Op.LPP):
+            if op in (Op.MRD, Op.MPP):
+                self.stack.pop()
+            self.stack.append(self.memory[-1])
+            if op in (Op.MPP, Op.LPP):
+                self.memory.pop()
+        elif op is Op.DRP:
+            self.stack.pop()
+        elif instruction.call is not None:
+            self._call(op, instruction.call)
+        else:
+            self._coil(instruction)
+
+    def _contact(self, instruction: Instruction) -> None:
+        assert instruction.operand is not None
+        value = bool(self.read(instruction.operand))
+        suffix = _CONTACTS[instruction.op]
+        if suffix in ('P', 'F'):
+            assert instruction.memory is not None
+            before = bool(self.read(instruction.memory))
+            self.write(instruction.memory, value)
+            value = value and not before if suffix == 'P' else before and not value
+        elif suffix == 'N':
+            value = not value
+        base = instruction.op.value[:2]
+        if base == 'LD':
+            self.stack.append(value)
+        elif base == 'AN':
+            self.stack[-1] = self.stack[-1] and value
+        else:
+            self.stack[-1] = self.stack[-1] or value
+
+    def _coil(self, instruction: Instruction) -> None:
+        op, operand, power = instruction.op, instruction.operand, self.stack[-1]
+        assert operand is not None
+        if op is Op.ST:
+            self.write(operand, power)
+        elif op is Op.STN:
+            self.write(operand, not power)
+        elif op is Op.S or op is Op.R:
+            if power:
+                self.write(operand, op is Op.S)
+        elif op is Op.STP or op is Op.STF:
+            assert instruction.memory is not None
+            before = bool(self.read(instruction.memory))
+            self.write(instruction.memory, power)
+            self.write(operand, power and not before if op is Op.STP else before and not power)
+        else:
+            raise InternalError('il_interpreter', f'no operator {op}')
+
+    def _call(self, op: Op, call: Call) -> None:
+        if op is Op.CAL:
+            self._function_block(call)
+        elif op is Op.FUN:
+            self._function(call)
+        else:
+            self._enabled(call)
+
+    def _function_block(self, call: Call) -> None:
+        kind = CATALOGUE[call.name]
+        bound: dict[str, Value] = {pin: self.read(operand) for pin, operand in call.inputs}
+        bound[kind.power_input] = self.stack[-1]
+        inputs = [bound[pin.name] for pin in kind.inputs]
+        fields = [_field(call, pin.name) for pin in kind.state]
+        after = FUNCTION_BLOCKS[call.name](self.now, *inputs, *(self.read(f) for f in fields))
+        for ref, value in zip(fields, after):
+            self.write(ref, value)
+        for pin_name, target in call.outputs:
+            self.write(target, self.read(_field(call, pin_name)))
+        self.stack[-1] = bool(self.read(_field(call, kind.power_output)))
+
+    def _function(self, call: Call) -> None:
+        kind = CATALOGUE[call.name]
+        power = self.stack[-1]
+        result: Value = False
+        is_fine = False
+        if power:
+            result, is_fine = FUNCTIONS[call.name](call.type)(
+                *(self.read(operand) for _, operand in call.inputs))
+            if not is_fine:
+                self.state[0] = int(self.state[0]) + 1
+        for pin, target in call.outputs:
+            if pin == 'ENO':
+                self.write(target, is_fine)
+            elif power:
+                self.write(target, result)
+            elif '%data' in target.path:
+                self.write(target, default_value(target.type))
+        self.stack[-1] = is_fine if kind.power_output == 'ENO' else power and bool(result)
+
+    def _enabled(self, call: Call) -> None:
+        flag = active_flag(call.instance)
+        if self.stack[-1]:
+            self.write(flag, True)
+            self.run(self.routines[False, call.instance])
+        elif self.read(flag):
+            self._release(call)
+
+    def _release(self, call: Call) -> None:
+        """Release the timers of a composite that is no longer executed, nested ones too."""
+        self.write(active_flag(call.instance), False)
+        for instruction in self.routines[False, call.instance].instructions():
+            inner = instruction.call
+            if inner is None:
+                continue
+            if instruction.op is Op.EXE and self.read(active_flag(inner.instance)):
+                self._release(inner)
+            elif instruction.op is Op.CAL and inner.name in RELEASE:
+                fields = [_field(inner, pin.name) for pin in CATALOGUE[inner.name].state]
+                after = RELEASE[inner.name](*(self.read(f) for f in fields))
+                for ref, value in zip(fields, after):
+                    self.write(ref, value)
+
+
+def _field(call: Call, pin: str) -> Ref:
+    """Return the state variable of a block instance that holds a pin (its type does not matter)."""
+    return Ref(path=f'{call.instance}.{pin}', type=DataType.BOOL)

@@ -1,0 +1,71 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Check an instruction list: operands, stack balance, temporaries."""
+
+from __future__ import annotations
+
+from ladder_ros.compiler.il import (
+    BARE, EDGES, LOADS, STORES, Instruction, InstructionList, Network, Op)
+from ladder_ros.compiler.symbols import Literal, Ref
+from ladder_ros.diagnostics import InternalError, Location
+from ladder_ros.model.types import DataType
+
+_NEEDS = {Op.ANB: 2, Op.ORB: 2, Op.LRD: 0, Op.LPP: 0}
+_CHANGE = {Op.ANB: -1, Op.ORB: -1, Op.LRD: 1, Op.LPP: 1, Op.DRP: -1}
+_MEMORY_NEEDS = frozenset({Op.MRD, Op.MPP, Op.LRD, Op.LPP})
+_MEMORY_CHANGE = {Op.MPS: 1, Op.MPP: -1, Op.LPP: -1}
+
+
+def verify_il(program: InstructionList) -> None:
+    """Raise InternalError if the program breaks a rule of the machine."""
+    for routine in program.routines:
+        for network in routine.networks:
+            _verify_network(routine.name, network)
+
+
+def _verify_network(routine: str, network: Network) -> None:
+    def broken(what: str, index: int) -> InternalError:
+        return InternalError(
+            'il', f'{what} at instruction {index}', Location(pou=routine, rung=network.rung))
+
+    depth = saved = 0
+    stored: set[str] = set()
+    for index, instruction in enumerate(network.code):
+        op = instruction.op
+        fault = _operand_fault(instruction, stored)
+        if fault:
+            raise broken(fault, index)
+        needed = 0 if op in LOADS else _NEEDS.get(op, 1)
+        if depth < needed:
+            raise broken(f'{op.value} finds too few results', index)
+        if op in _MEMORY_NEEDS and not saved:
+            raise broken(f'{op.value} finds nothing saved', index)
+        depth += 1 if op in LOADS else _CHANGE.get(op, 0)
+        saved += _MEMORY_CHANGE.get(op, 0)
+        if op in STORES and isinstance(instruction.operand, Ref):
+            stored.add(instruction.operand.path)
+    if network.code and (depth, saved) != (1, 0):
+        raise broken(f'{depth} results and {saved} saved ones are left', len(network.code))
+
+
+def _operand_fault(instruction: Instruction, stored: set[str]) -> str:
+    op, operand = instruction.op, instruction.operand
+    if op in (Op.CAL, Op.FUN, Op.EXE):
+        return '' if instruction.call is not None else f'{op.value} calls nothing'
+    if op in BARE:
+        return '' if operand is None else f'{op.value} has an operand'
+    if operand is None or operand.type is not DataType.BOOL:
+        return f'{op.value} has no BOOL operand'
+    if op in STORES and isinstance(operand, Literal):
+        return f'{op.value} writes a literal'
+    if op in EDGES and instruction.memory is None:
+        return f'{op.value} has no edge memory'
+    if op not in STORES and operand_is_unset(operand, stored):
+        return f'temporary {operand} is read before it is written'
+    return ''
+
+
+def operand_is_unset(operand: Ref | Literal, stored: set[str]) -> bool:
+    """Say whether the operand is a temporary that nothing has written yet."""
+    return isinstance(operand, Ref) and operand.path.startswith('%T') and (
+        operand.path not in stored)

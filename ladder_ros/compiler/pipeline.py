@@ -1,0 +1,224 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The whole story: all stages in order.
+
+components -> connections -> AOV graph -> AND/OR tree -> instruction list -> executable
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+from ladder_ros.compiler.aov import Aov
+from ladder_ros.compiler.aov_to_tree import AccessKey, reduce_to_tree, sequence
+from ladder_ros.compiler.checks import check_coils, check_size
+from ladder_ros.compiler.il import InstructionList, Network
+from ladder_ros.compiler.il_interpreter import interpret_il
+from ladder_ros.compiler.il_to_python import emit_python, load_python
+from ladder_ros.compiler.il_verify import verify_il
+from ladder_ros.compiler.inline_composites import expand_inline
+from ladder_ros.compiler.link import lay_out, link_code, list_components
+from ladder_ros.compiler.model_to_symbols import resolve_symbols
+from ladder_ros.compiler.model_to_wiring import analyse_connections
+from ladder_ros.compiler.symbols import Operand, Ref, Symbols, pou_key
+from ladder_ros.compiler.tree import Forest
+from ladder_ros.compiler.tree_to_il import lower_to_il
+from ladder_ros.compiler.wiring import Wiring
+from ladder_ros.compiler.wiring_to_aov import build_aov
+from ladder_ros.diagnostics import Diagnostic, LadderError, has_errors
+from ladder_ros.executable import Entry, Executable, Scan, Variant
+from ladder_ros.model.program import Body, CallKind, Pou, Program, RunKind
+
+_T = TypeVar('_T')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stages:
+    """What each stage made of a program, by POU key; a rung each."""
+
+    symbols: Symbols
+    wirings: Mapping[str, Sequence[Wiring]]
+    graphs: Mapping[str, Sequence[Aov]]
+    diagnostics: tuple[Diagnostic, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Compilation:
+    """The result: what runs, and the warnings and hints about the program."""
+
+    executable: Executable
+    diagnostics: tuple[Diagnostic, ...]
+
+
+def compile_program(
+    program: Program, *, backend: str = 'python', source_hash: str = '',
+) -> Compilation:
+    """Compile a program; ``source_hash`` identifies the file it came from.
+
+    Raises LadderError with every error that was found; L0504 for an unknown backend.
+    """
+    if backend not in BACKENDS:
+        raise LadderError.of('L0504', program.location, name=backend, known=', '.join(BACKENDS))
+    stages = analyse(program)
+    if has_errors(stages.diagnostics):
+        raise LadderError(stages.diagnostics)
+    forests = build_trees(program, stages)
+    code = link_code(program, lower(forests))
+    verify_il(code)
+    slots = lay_out(program, stages.symbols, code)
+    by_path = {slot.path.casefold(): slot for slot in slots}
+    index = {path: slot.index for path, slot in by_path.items()}
+    components = list_components(program, code, stages.graphs, by_path)
+    component_index = {entry.path: entry.index for entry in components}
+
+    def build(variant: Variant) -> Mapping[str, Scan]:
+        chosen = code
+        if variant.observed:
+            chosen = link_code(program, lower(build_sequences(stages)))
+        return BACKENDS[backend](chosen, index, component_index, variant)
+
+    executable = Executable(
+        name=program.name, backend=backend, slots=slots, components=components,
+        source_hash=source_hash, build=build,
+        entries=tuple(_entry(program, body) for body in program.bodies), by_path=by_path,
+        instructions=sum(len(n.code) for r in code.routines for n in r.networks))
+    return Compilation(
+        executable=executable, diagnostics=stages.diagnostics + check_coils(code, components))
+
+
+def check_program(program: Program) -> tuple[Diagnostic, ...]:
+    """Return everything that is to be said about a program: errors, warnings, hints."""
+    try:
+        return compile_program(program).diagnostics
+    except LadderError as error:
+        return error.diagnostics
+
+
+# -- the stages ------------------------------------------------------------------------------------
+
+def analyse(program: Program) -> Stages:
+    """Resolve names, analyse connections and build the graphs, as far as errors allow."""
+    symbols, found = resolve_symbols(program)
+    wirings: dict[str, Sequence[Wiring]] = {}
+    for pou in _pous(program):
+        wirings[pou_key(pou)], wrong = _collect(
+            analyse_connections(rung, ends_in_output=not _is_inline(pou)) for rung in pou.rungs)
+        found += wrong
+    if not has_errors(found):
+        found += check_size(program)
+    graphs: dict[str, Sequence[Aov]] = {}
+    if not has_errors(found):
+        graphs, wrong = _build_graphs(program, symbols, wirings)
+        found += wrong
+    return Stages(symbols=symbols, wirings=wirings, graphs=graphs, diagnostics=_in_order(found))
+
+
+def _build_graphs(
+    program: Program, symbols: Symbols, wirings: Mapping[str, Sequence[Wiring]],
+) -> tuple[dict[str, Sequence[Aov]], tuple[Diagnostic, ...]]:
+    graphs: dict[str, Sequence[Aov]] = {}
+    inline: dict[str, Sequence[Aov]] = {}
+    found: tuple[Diagnostic, ...] = ()
+    pous: list[Pou] = [*symbols.composites, *program.bodies]
+    for pou in pous:
+        key = pou_key(pou)
+        aovs, wrong = _collect(
+            build_aov(wiring, symbols.of_rung(key, wiring.rung.id)) for wiring in wirings[key])
+        graphs[key] = [expand_inline(aov, inline) for aov in aovs]
+        if _is_inline(pou):
+            inline[pou.name.casefold()] = graphs[key]
+        found += wrong
+    return graphs, found
+
+
+def build_trees(
+    program: Program, stages: Stages, *, inline: bool = False,
+) -> dict[str, Sequence[Forest]]:
+    """Reduce each rung's graph to its AND/OR trees.
+
+    Inline composites are part of their users' rungs; ``inline`` asks for theirs too, to be shown.
+    """
+    return {
+        pou_key(pou): [reduce_to_tree(aov, _access_key(pou)) for aov in
+                       stages.graphs[pou_key(pou)]]
+        for pou in _pous(program) if inline or not _is_inline(pou)}
+
+
+def build_sequences(stages: Stages) -> dict[str, Sequence[Forest]]:
+    """Order each rung's components one by one, so that the power between them can be seen."""
+    return {key: [sequence(aov) for aov in graphs] for key, graphs in stages.graphs.items()}
+
+
+def lower(forests: Mapping[str, Sequence[Forest]]) -> dict[str, Sequence[Network]]:
+    """Lower each POU's trees to instructions."""
+    return {key: [lower_to_il(forest) for forest in trees] for key, trees in forests.items()}
+
+
+def _pous(program: Program) -> tuple[Pou, ...]:
+    return (*program.composites, *program.bodies)
+
+
+def _is_inline(pou: Pou) -> bool:
+    return not isinstance(pou, Body) and pou.call is CallKind.INLINE
+
+
+def _access_key(pou: Pou) -> AccessKey:
+    """Return what tells two operands of a POU apart: parameters of one type may be one variable."""
+    parameters = {} if isinstance(pou, Body) else {
+        p.name.casefold(): f'parameter of type {p.type}' for p in pou.parameters}
+
+    def key(operand: Operand) -> str | None:
+        if not isinstance(operand, Ref):
+            return None
+        name = operand.path.casefold()
+        return parameters.get(name, name)
+
+    return key
+
+
+def _entry(program: Program, body: Body) -> Entry:
+    tasks = {task.name.casefold(): task for task in program.tasks}
+    task = tasks.get(body.task.casefold())
+    return Entry(
+        name=body.name, once=body.run is RunKind.ONCE, interval=task.interval if task else 0,
+        priority=task.priority if task else 0)
+
+
+def _collect(results: Iterable[tuple[_T, tuple[Diagnostic, ...]]]) -> tuple[
+        list[_T], tuple[Diagnostic, ...]]:
+    made: list[_T] = []
+    found: list[Diagnostic] = []
+    for result, wrong in results:
+        made.append(result)
+        found += wrong
+    return made, tuple(found)
+
+
+def _in_order(found: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    return tuple(sorted(found, key=lambda d: (d.location.line or 0, d.code)))
+
+
+# -- backends and dumps ----------------------------------------------------------------------------
+
+def _python(
+    code: InstructionList, slots: Mapping[str, int], components: Mapping[str, int],
+    variant: Variant,
+) -> Mapping[str, Scan]:
+    source = emit_python(code, slots, components, observed=variant.observed, forced=variant.forced)
+    return load_python(source, '<ladder program>')
+
+
+def _interpreter(
+    code: InstructionList, slots: Mapping[str, int], components: Mapping[str, int],
+    variant: Variant,
+) -> Mapping[str, Scan]:
+    return interpret_il(code, slots, components, variant.forced)
+
+
+Backend = Callable[
+    [InstructionList, Mapping[str, int], Mapping[str, int], Variant], Mapping[str, Scan]]
+
+BACKENDS: Mapping[str, Backend] = {'python': _python, 'interpreter': _interpreter}
+"""Each backend by its name; the first is the default."""

@@ -1,0 +1,129 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Symbols: what the names in a POU mean, and references to variables and literals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Union
+
+from ladder_ros.model.catalogue import BlockKind
+from ladder_ros.model.program import Body, Composite, Pou
+from ladder_ros.model.types import DataType, Value, format_literal
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ref:
+    """A reference to a variable by its dotted path, relative to the POU (or from the program).
+
+    Parts that start with % are names that the compiler made; they cannot clash with the user's.
+    """
+
+    path: str
+    type: DataType
+
+    def __str__(self) -> str:
+        return self.path
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Literal:
+    """A constant."""
+
+    value: Value
+    type: DataType
+
+    def __str__(self) -> str:
+        text = format_literal(self.value, self.type)
+        if self.type in (DataType.BOOL, DataType.TIME, DataType.STRING):
+            return text
+        return f'{self.type}#{text}'
+
+
+Operand = Union[Ref, Literal]
+"""What an instruction or a pin refers to."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Symbol:
+    """A variable or parameter that a POU sees; ``why_fixed`` says why it cannot be written."""
+
+    name: str
+    type: DataType
+    is_parameter: bool = False
+    why_fixed: str = ''
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scope:
+    """The names that one POU sees, all by casefolded name."""
+
+    pou: str
+    symbols: Mapping[str, Symbol]
+    blocks: Mapping[str, tuple[str, BlockKind]] = field(default_factory=dict)
+    """Function block instances: spelling and kind."""
+    instances: Mapping[str, tuple[str, Composite]] = field(default_factory=dict)
+    """Composite instances: spelling and definition."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Resolved:
+    """The data operands of one component, resolved.
+
+    ``operand`` is a contact's or coil's; ``inputs`` and ``outputs`` are a block's by pin, or a
+    composite instance's by parameter (all of them in ``inputs``); ``type`` is what a function's
+    generic pins stand for.
+    """
+
+    operand: Operand | None = None
+    inputs: tuple[tuple[str, Operand], ...] = ()
+    outputs: tuple[tuple[str, Ref], ...] = ()
+    type: DataType = DataType.BOOL
+    sources: tuple[str, ...] = ()
+    """Casefolded ids of the components in the rung that direct data connections come from."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Symbols:
+    """All names of a program: a scope a POU, and what each component refers to.
+
+    ``scopes`` are by POU key; ``resolved`` is by (POU key, casefolded rung id), then by casefolded
+    component id.  ``composites`` lists the definitions, members before those that contain them.
+    """
+
+    scopes: Mapping[str, Scope]
+    resolved: Mapping[tuple[str, str], Mapping[str, Resolved]]
+    composites: tuple[Composite, ...] = ()
+
+    def of_rung(self, pou: str, rung: str) -> Mapping[str, Resolved]:
+        """Return what the components of a rung refer to, by casefolded id."""
+        return self.resolved[pou, rung.casefold()]
+
+
+def pou_key(pou: Pou) -> str:
+    """Return the key of a POU in the symbol tables."""
+    return f'{"body" if isinstance(pou, Body) else "composite"} {pou.name.casefold()}'
+
+
+def edge_memory(rung: str, component: str) -> Ref:
+    """Return the hidden variable in which an edge contact or coil remembers the last value."""
+    return Ref(path=f'%edge.{rung}.{component}', type=DataType.BOOL)
+
+
+def data_slot(rung: str, component: str, pin: str, type_: DataType) -> Ref:
+    """Return the hidden variable that carries a direct data connection from a function's pin."""
+    return Ref(path=f'%data.{rung}.{component}.{pin}', type=type_)
+
+
+def substitute(
+    operand: Operand, prefix: str, bindings: Mapping[str, Operand],
+) -> Operand:
+    """Map a reference inside a composite to its user's names.
+
+    A parameter becomes what ``bindings`` (by casefolded name) says; anything else gets the prefix.
+    """
+    if isinstance(operand, Literal):
+        return operand
+    bound = bindings.get(operand.path.casefold())
+    return bound if bound is not None else Ref(path=prefix + operand.path, type=operand.type)

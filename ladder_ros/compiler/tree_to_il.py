@@ -1,0 +1,186 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Post-order of the tree: Forest -> Network (paper 3, section 4; paper 2, section 3.2).
+
+``And(a, Or(b, c))``            LD a, LD b, OR c, ANB
+``And(a, Or(b, timer))``        LD a, MPS, AND b, LPP, CAL timer, ORB
+``And(a, Fork(x, And(b, y)))``  LD a, MPS, ST x, MPP, AND b, ST y
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from ladder_ros.compiler.il import Call, Instruction, Network, Op, temporary
+from ladder_ros.compiler.symbols import Literal, Operand
+from ladder_ros.compiler.tree import (
+    And, Forest, Fork, Leaf, Load, Or, Pin, Save, Tree, Wire, children, pin_operand, post_order)
+from ladder_ros.model.catalogue import CATALOGUE
+from ladder_ros.model.component import Block, Coil, CoilKind, Contact, ContactKind, Instance
+from ladder_ros.model.types import DataType
+
+_TRUE = Literal(value=True, type=DataType.BOOL)
+_SUFFIX = {
+    ContactKind.NORMALLY_OPEN: '', ContactKind.NORMALLY_CLOSED: 'N', ContactKind.RISING: 'P',
+    ContactKind.FALLING: 'F',
+}
+_STORE = {
+    CoilKind.COIL: Op.ST, CoilKind.NEGATED: Op.STN, CoilKind.SET: Op.S, CoilKind.RESET: Op.R,
+    CoilKind.RISING: Op.STP, CoilKind.FALLING: Op.STF,
+}
+
+
+def lower_to_il(forest: Forest) -> Network:
+    """Return the rung's code."""
+    lowering = _Lowering()
+    for tree in forest.trees:
+        if lowering.code:
+            lowering.code.append(Instruction(op=Op.DRP))
+        lowering.lower(tree)
+    return Network(rung=forest.rung, code=tuple(lowering.code), comment=forest.comment)
+
+
+@dataclass(frozen=True, slots=True)
+class _Start:
+    """To do: evaluate with the left rail's power, pushing the result."""
+
+    tree: Tree
+
+
+@dataclass(frozen=True, slots=True)
+class _Continue:
+    """To do: evaluate with the current result as power, replacing it."""
+
+    tree: Tree
+
+
+@dataclass(slots=True)
+class _Lowering:
+    code: list[Instruction] = field(default_factory=list)
+    conditions: dict[int, bool] = field(default_factory=dict)
+
+    def lower(self, tree: Tree) -> None:
+        """Emit a tree that starts at the left rail.  Works off a stack: trees may be deep."""
+        self.conditions = _conditions(tree)
+        pending: list[_Start | _Continue | Instruction] = [_Start(tree)]
+        while pending:
+            work = pending.pop()
+            if isinstance(work, Instruction):
+                self.code.append(work)
+            elif isinstance(work, _Start):
+                pending.extend(reversed(self._start(work.tree)))
+            else:
+                pending.extend(reversed(self._continue(work.tree)))
+
+    def _start(self, tree: Tree) -> list[_Start | _Continue | Instruction]:
+        if isinstance(tree, And):
+            return [_Start(tree.left), _Continue(tree.right)]
+        if isinstance(tree, Or):
+            single = _contact_instruction(tree.right, 'OR')
+            if single is not None:
+                return [_Start(tree.left), single]
+            return [_Start(tree.left), _Start(tree.right), Instruction(op=Op.ORB)]
+        if isinstance(tree, Load):
+            return [Instruction(op=Op.LD, operand=temporary(tree.temporary))]
+        single = _contact_instruction(tree, 'LD')
+        if single is not None:
+            return [single]
+        return [Instruction(op=Op.LD, operand=_TRUE), _Continue(tree)]
+
+    def _continue(self, tree: Tree) -> list[_Start | _Continue | Instruction]:
+        if isinstance(tree, And):
+            return [_Continue(tree.left), _Continue(tree.right)]
+        if isinstance(tree, Or):
+            if self.conditions[id(tree)]:
+                return [_Start(tree), Instruction(op=Op.ANB)]
+            return self._parallel(tree)
+        if isinstance(tree, Fork):
+            return self._fork(tree)
+        if isinstance(tree, Wire):
+            return []
+        if isinstance(tree, Save):
+            cell = temporary(tree.temporary)
+            store = Instruction(op=Op.ST, operand=cell)
+            return [Instruction(op=Op.OR, operand=cell), store] if tree.joins else [store]
+        single = _contact_instruction(tree, 'AND')
+        if single is not None:
+            return [single]
+        assert isinstance(tree, Leaf)
+        return [_transfer_instruction(tree)]
+
+    @staticmethod
+    def _parallel(tree: Or) -> list[_Start | _Continue | Instruction]:
+        """Give each branch the root's power; branches are the leaves of a chain of ORs."""
+        branches: list[Tree] = [tree.right]
+        left = tree.left
+        while isinstance(left, Or):
+            branches.append(left.right)
+            left = left.left
+        branches.append(left)
+        branches.reverse()
+        work: list[_Start | _Continue | Instruction] = [
+            Instruction(op=Op.MPS), _Continue(branches[0])]
+        for branch in branches[1:]:
+            load = Op.LPP if branch is branches[-1] else Op.LRD
+            work += [Instruction(op=load), _Continue(branch), Instruction(op=Op.ORB)]
+        return work
+
+    @staticmethod
+    def _fork(tree: Fork) -> list[_Start | _Continue | Instruction]:
+        work: list[_Start | _Continue | Instruction] = [
+            Instruction(op=Op.MPS), _Continue(tree.branches[0])]
+        last = len(tree.branches) - 1
+        for index, branch in enumerate(tree.branches[1:], start=1):
+            if tree.goes_on is not None and tree.goes_on < index:
+                # The power that goes on is on the stack already: work above it.
+                work += [Instruction(op=Op.LPP if index == last else Op.LRD), _Continue(branch),
+                         Instruction(op=Op.DRP)]
+            else:
+                work += [Instruction(op=Op.MPP if index == last else Op.MRD), _Continue(branch)]
+        return work
+
+
+def _conditions(tree: Tree) -> dict[int, bool]:
+    """Return for each node whether it is contacts alone, so that power need not enter it."""
+    found: dict[int, bool] = {}
+    for node in post_order(tree):
+        if isinstance(node, Leaf):
+            found[id(node)] = isinstance(node.symbol.component, Contact)
+        elif isinstance(node, (And, Or)):
+            found[id(node)] = all(found[id(child)] for child in children(node))
+        else:
+            found[id(node)] = isinstance(node, (Wire, Pin))
+    return found
+
+
+def _contact_instruction(tree: Tree, base: str) -> Instruction | None:
+    """Return the one instruction for a contact, or None if the tree is something else."""
+    if isinstance(tree, Pin):
+        return Instruction(op=Op(base), operand=pin_operand(tree))
+    if not isinstance(tree, Leaf) or not isinstance(tree.symbol.component, Contact):
+        return None
+    symbol = tree.symbol
+    op = Op(base + _SUFFIX[tree.symbol.component.kind])
+    return Instruction(
+        op=op, operand=symbol.resolved.operand, memory=symbol.memory, component=symbol.path)
+
+
+def _transfer_instruction(leaf: Leaf) -> Instruction:
+    symbol = leaf.symbol
+    component = symbol.component
+    if isinstance(component, Coil):
+        return Instruction(op=_STORE[component.kind], operand=symbol.resolved.operand,
+                           memory=symbol.memory, component=symbol.path)
+    if isinstance(component, Instance):
+        call = Call(name=component.composite, instance=symbol.instance,
+                    inputs=symbol.resolved.inputs)
+        return Instruction(op=Op.EXE, call=call, component=symbol.path)
+    assert isinstance(component, Block)
+    kind = CATALOGUE[component.type.upper()]
+    bound: dict[str, Operand] = dict(symbol.resolved.inputs)
+    bound.update((pin, temporary(number)) for pin, number in leaf.power_pins)
+    inputs = tuple((pin.name, bound[pin.name]) for pin in kind.inputs if pin.name in bound)
+    call = Call(name=kind.name, instance=symbol.instance, type=symbol.resolved.type,
+                inputs=inputs, outputs=symbol.resolved.outputs)
+    return Instruction(
+        op=Op.FUN if kind.is_function else Op.CAL, call=call, component=symbol.path)

@@ -1,0 +1,262 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Nets to graph: Wiring -> Aov.
+
+Vertical lines and rails become virtual vertices; a net that joins just one giver with one taker
+becomes an arc; lines are not stored otherwise (paper 3, section 1).
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+import heapq
+from typing import Union
+
+from ladder_ros.compiler.aov import Aov, Arc, SymbolVertex, VirtualVertex
+from ladder_ros.compiler.symbols import Resolved, data_slot, edge_memory
+from ladder_ros.compiler.wiring import Part, Rail, Wiring
+from ladder_ros.diagnostics import Diagnostic, problem
+from ladder_ros.model.catalogue import CATALOGUE
+from ladder_ros.model.component import (
+    Block, Coil, CoilKind, Component, Contact, ContactKind, Instance)
+from ladder_ros.model.types import DataType
+
+_Node = Union[str, int]
+"""A part by its casefolded id, or a net by its number."""
+
+
+def build_aov(
+    wiring: Wiring, resolved: Mapping[str, Resolved],
+) -> tuple[Aov, tuple[Diagnostic, ...]]:
+    """Return the rung's graph.
+
+    ``resolved`` gives each component's operands by casefolded id; composite instances stay single
+    vertices.  Reports data loops without a function block (L0307) and power loops (L0313).
+    """
+    builder = _Builder(wiring=wiring, resolved=resolved)
+    return builder.run(), tuple(builder.found)
+
+
+@dataclass(slots=True, kw_only=True)
+class _Builder:
+    wiring: Wiring
+    resolved: Mapping[str, Resolved]
+    found: list[Diagnostic] = field(default_factory=list)
+    _order: list[Part] | None = None
+    _wanted: set[str] | None = None
+
+    def run(self) -> Aov:
+        wiring = self.wiring
+        ids = {part.component.id: index for index, part in enumerate(self._ordered())}
+        givers: dict[int, list[tuple[int, str]]] = defaultdict(list)
+        takers: dict[int, list[tuple[int, str]]] = defaultdict(list)
+        for part in wiring.parts:
+            for end in part.right:
+                givers[end.net].append((ids[part.component.id], end.pin))
+            for end in part.left:
+                takers[end.net].append((ids[part.component.id], end.pin))
+        lines_in: dict[int, list[int]] = defaultdict(list)
+        lines_out: dict[int, list[int]] = defaultdict(list)
+        for line in wiring.lines:
+            lines_in[line.target].append(line.source)
+            lines_out[line.source].append(line.target)
+        virtual: dict[int, VirtualVertex] = {}
+        for net in wiring.nets:
+            total_in = len(givers[net.index]) + len(lines_in[net.index])
+            total_out = len(takers[net.index]) + len(lines_out[net.index])
+            if net.vertical or net.rail is not Rail.NONE or total_in > 1 or total_out > 1:
+                virtual[net.index] = VirtualVertex(
+                    id=len(ids) + len(virtual), column=net.x, first=net.first, last=net.last,
+                    rail=net.rail)
+        arcs: list[Arc] = []
+        for net in wiring.nets:
+            sources = [(net.index, -1, '')] if net.index in virtual else []
+            if sources:
+                own = virtual[net.index].id
+                arcs += [Arc(source=giver, source_pin=pin, target=own)
+                         for giver, pin in givers[net.index]]
+            else:
+                sources = [(net.index, giver, pin) for giver, pin in givers[net.index]]
+            for start, giver, pin in sources:
+                source = giver if giver >= 0 else virtual[start].id
+                arcs += self._arcs_from(source, pin, start, virtual, takers, lines_out)
+        symbols = tuple(self._symbol(part, ids[part.component.id]) for part in self._ordered())
+        arcs.sort(key=lambda arc: (arc.source, arc.target))
+        return Aov(rung=wiring.rung.id, comment=wiring.rung.comment, symbols=symbols,
+                   virtuals=tuple(virtual.values()), arcs=tuple(arcs))
+
+    @staticmethod
+    def _arcs_from(
+        source: int, pin: str, net: int, virtual: Mapping[int, VirtualVertex],
+        takers: Mapping[int, list[tuple[int, str]]], lines_out: Mapping[int, list[int]],
+    ) -> list[Arc]:
+        """Follow the lines that leave a net until something takes the power."""
+        arcs = []
+        pending = [net]
+        while pending:
+            at = pending.pop()
+            if at != net and at in virtual:
+                arcs.append(Arc(source=source, source_pin=pin, target=virtual[at].id))
+                continue
+            arcs += [Arc(source=source, source_pin=pin, target=taker, target_pin=taker_pin)
+                     for taker, taker_pin in takers.get(at, ())]
+            pending += lines_out.get(at, ())
+        return arcs
+
+    def _symbol(self, part: Part, number: int) -> SymbolVertex:
+        component = part.component
+        memory = None
+        if _remembers(component):
+            memory = edge_memory(self.wiring.rung.id, component.id)
+        instance = component.instance if isinstance(component, (Block, Instance)) else ''
+        return SymbolVertex(
+            id=number, path=component.id, component=component, instance=instance, memory=memory,
+            resolved=self._with_data_outputs(part))
+
+    def _with_data_outputs(self, part: Part) -> Resolved:
+        """Give a function whose outputs are read directly its hidden variables for them."""
+        component = part.component
+        resolved = self.resolved[component.id.casefold()]
+        kind = CATALOGUE.get(component.type.upper()) if isinstance(component, Block) else None
+        if kind is None or not kind.is_function:
+            return resolved
+        if self._wanted is None:
+            self._wanted = set[str]().union(*(_sources(p.component) for p in self.wiring.parts))
+        wanted = self._wanted
+        powered = {end.pin for end in part.right if end.pin}
+        extra = tuple(
+            (pin.name, data_slot(
+                self.wiring.rung.id, component.id, pin.name,
+                pin.type if isinstance(pin.type, DataType) else resolved.type))
+            for pin in kind.outputs
+            if f'{component.id}.{pin.name}'.casefold() in wanted or pin.name in powered)
+        if not extra:
+            return resolved
+        return Resolved(
+            inputs=resolved.inputs, outputs=resolved.outputs + extra, type=resolved.type,
+            sources=resolved.sources)
+
+    # -- order ----------------------------------------------------------------------------------
+
+    def _ordered(self) -> list[Part]:
+        if self._order is None:
+            self._order = self._topological()
+        return self._order
+
+    def _topological(self) -> list[Part]:
+        """Order parts by power flow and data connections, ties by (row, column, id)."""
+        parts = {part.component.id.casefold(): part for part in self.wiring.parts}
+        after = self._power_successors(parts)
+        for source, target in self._data_arcs(parts):
+            cycle = _path(after, target, source)
+            if cycle is None:
+                after[source].append(target)
+                continue
+            names = [name for name in cycle if isinstance(name, str)]
+            if not any(_has_state(parts[name].component) for name in names):
+                self.found.append(problem(
+                    'L0307', parts[target].component.location,
+                    chain=' -> '.join((source, *names))))
+        order = _topological_order(after, parts)
+        if len(order) != len(parts):
+            stuck = sorted(set(parts) - set(order))
+            self.found.append(problem(
+                'L0313', parts[stuck[0]].component.location, chain=', '.join(stuck)))
+            order += stuck
+        return [parts[name] for name in order]
+
+    def _power_successors(self, parts: Mapping[str, Part]) -> dict[_Node, list[_Node]]:
+        """Return what power reaches next, from each part (by name) and each net (by number)."""
+        after: dict[_Node, list[_Node]] = {name: [] for name in parts}
+        for net in self.wiring.nets:
+            after[net.index] = []
+        for line in self.wiring.lines:
+            after[line.source].append(line.target)
+        for name, part in parts.items():
+            after[name] += [end.net for end in part.right]
+            for net_index in {end.net for end in part.left}:
+                after[net_index].append(name)
+        return after
+
+    def _data_arcs(self, parts: Mapping[str, Part]) -> list[tuple[str, str]]:
+        """Return the direct data connections, those from functions before those from blocks."""
+        arcs = [(source, name) for name in parts for source in self.resolved[name].sources]
+        arcs.sort(key=lambda arc: _has_state(parts[arc[0]].component))
+        return arcs
+
+
+def _sources(component: Component) -> set[str]:
+    """Return the direct data connections into a component, casefolded ``id.pin``."""
+    if isinstance(component, Block):
+        return {argument.source.casefold() for argument in component.inputs}
+    if isinstance(component, Instance):
+        return {argument.source.casefold() for argument in component.arguments}
+    return set()
+
+
+def _has_state(component: Component) -> bool:
+    return isinstance(component, Instance) or (
+        isinstance(component, Block) and bool(component.instance))
+
+
+def _remembers(component: Component) -> bool:
+    if isinstance(component, Contact):
+        return component.kind in (ContactKind.RISING, ContactKind.FALLING)
+    return isinstance(component, Coil) and component.kind in (CoilKind.RISING, CoilKind.FALLING)
+
+
+def _topological_order(
+    after: Mapping[_Node, list[_Node]], parts: Mapping[str, Part],
+) -> list[str]:
+    """Order the parts by Kahn's algorithm, ties by (row, column, id); a loop is left out."""
+    waiting: dict[_Node, int] = dict.fromkeys(after, 0)
+    for targets in after.values():
+        for target in targets:
+            waiting[target] += 1
+    ready: list[tuple[int, int, str, str]] = []
+    order: list[str] = []
+
+    def release(node: _Node) -> None:
+        pending = [node]
+        while pending:
+            at = pending.pop()
+            if isinstance(at, str):
+                component = parts[at].component
+                place = component.placement
+                heapq.heappush(ready, (place.y, place.x, component.id, at))
+                continue
+            for target in after[at]:
+                waiting[target] -= 1
+                if waiting[target] == 0:
+                    pending.append(target)
+
+    for node in [node for node, count in waiting.items() if count == 0]:
+        release(node)
+    while ready:
+        name = heapq.heappop(ready)[-1]
+        order.append(name)
+        for target in after[name]:
+            waiting[target] -= 1
+            if waiting[target] == 0:
+                release(target)
+    return order
+
+
+def _path(after: Mapping[_Node, list[_Node]], start: str, goal: str) -> list[_Node] | None:
+    """Return a path from start to goal, or None."""
+    came: dict[_Node, _Node | None] = {start: None}
+    pending: list[_Node] = [start]
+    while pending:
+        name = pending.pop()
+        if name == goal:
+            path: list[_Node] = [name]
+            while (before := came[path[-1]]) is not None:
+                path.append(before)
+            return path[::-1]
+        for target in after[name]:
+            if target not in came:
+                came[target] = name
+                pending.append(target)
+    return None

@@ -1,0 +1,131 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The one contract between compiler and runtime.
+
+An :class:`Executable` is a compiled program: the layout of its state (slots), its entry points, and
+the map from slots back to components.  It holds no state itself: the state is a list with one
+Python value a slot, made by :meth:`Executable.initial_state` and given to each scan.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+
+from ladder_ros.diagnostics import Location
+from ladder_ros.model.types import DataType, Value
+
+State = list[Value]
+"""One value a slot, in slot order."""
+
+ARITHMETIC_ERRORS = '%arithmetic_errors'
+"""Path of the slot (LINT, always slot 0) that counts arithmetic errors such as division by zero."""
+
+
+class SlotClass(Enum):
+    """What a slot is for."""
+
+    INPUT = 'input'
+    OUTPUT = 'output'
+    LOCAL = 'local'
+    BLOCK = 'block'
+    EDGE = 'edge'
+    SYSTEM = 'system'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slot:
+    """A place in the state.
+
+    ``path`` is the variable's dotted path from the program (``floor1.Pressed``, ``t1.Q``); parts
+    that start with % are not the user's.  ``identity`` tells whether state may be carried over to
+    a slot of the same path in another program: the data type, or for a block's field also the
+    block's type.
+    """
+
+    index: int
+    path: str
+    type: DataType
+    slot_class: SlotClass
+    initial: Value
+    identity: str
+    retain: bool = False
+    address: str = ''
+    comment: str = ''
+    location: Location = Location()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ComponentEntry:
+    """A component that does something, in one instance; ``index`` is its place in power flow.
+
+    ``path`` is the instance path and component id (``main/1/c3``, ``main/2/floor1/1/c1``);
+    ``slots`` are the slots that belong to it (operand first).
+    """
+
+    index: int
+    path: str
+    kind: str
+    location: Location
+    slots: tuple[int, ...] = ()
+
+
+Scan = Callable[[State, int, 'list[bool] | None'], None]
+"""One pass of an entry point: (state, now in ns, power) changes the state in place.
+
+``power`` is None, or for an observed variant a list of ``len(executable.components)`` booleans
+which receives the power that leaves each component (False for those not executed).
+"""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variant:
+    """A form of the program: observed or not, and with which slots forced (never written)."""
+
+    observed: bool = False
+    forced: frozenset[int] = frozenset()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """A body of the program: runs once at start or in a task every ``interval`` ns.
+
+    ``interval`` is 0 where the program leaves the interval to who runs it.
+    """
+
+    name: str
+    once: bool
+    interval: int = 0
+    priority: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Executable:
+    """A compiled program.  ``build`` makes the scan functions of a variant, by entry name."""
+
+    name: str
+    backend: str
+    source_hash: str
+    slots: tuple[Slot, ...]
+    components: tuple[ComponentEntry, ...]
+    entries: tuple[Entry, ...]
+    build: Callable[[Variant], Mapping[str, Scan]]
+    by_path: Mapping[str, Slot] = field(default_factory=dict)
+    """Slots by casefolded path."""
+    instructions: int = 0
+    """Number of IL instructions."""
+
+    def initial_state(self) -> State:
+        """Return a fresh state."""
+        return [slot.initial for slot in self.slots]
+
+    def slot(self, path: str) -> Slot | None:
+        """Return the slot of a variable by its dotted path (case-insensitive), or None."""
+        return self.by_path.get(path.casefold())
+
+    def io(self) -> tuple[Slot, ...]:
+        """Return the slots of input and output variables, in declaration order."""
+        return tuple(
+            slot for slot in self.slots
+            if slot.slot_class in (SlotClass.INPUT, SlotClass.OUTPUT))

@@ -1,0 +1,159 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The table of coded problems: one row a code, one page a code in docs/problems.
+
+Codes never change their meaning and are never used again.  L01 files, L02 names and types,
+L03 drawing, L04 compiling, L05 running, L06 ROS.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Severity(Enum):
+    """How bad a problem is: only an error keeps a program from running."""
+
+    ERROR = 'error'
+    WARNING = 'warning'
+    HINT = 'hint'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Problem:
+    """A row of the table; ``message`` and ``help`` may hold ``{placeholders}``."""
+
+    code: str
+    message: str
+    help: str
+    severity: Severity = Severity.ERROR
+
+
+def _error(code: str, message: str, help: str) -> Problem:
+    return Problem(code=code, message=message, help=help)
+
+
+def _warning(code: str, message: str, help: str) -> Problem:
+    return Problem(code=code, message=message, help=help, severity=Severity.WARNING)
+
+
+_FILES = (
+    _error('L0101', 'the file is not well-formed XML: {reason}',
+           'mend the XML at this place; an XML editor shows it too'),
+    _error('L0102', 'this is no ladder program: the root element is {root}',
+           'a program starts with <ladder version="1" name="...">'),
+    _error('L0103', 'unknown element <{element}> in <{parent}>', 'allowed here: {allowed}'),
+    _error('L0104', 'unknown attribute {attribute} of <{element}>', 'allowed here: {allowed}'),
+    _error('L0105', '<{element}> lacks its attribute {attribute}', 'add {attribute}="..."'),
+    _error('L0106', 'attribute {attribute} of <{element}> has a bad value', '{expected}'),
+    _error('L0107', 'the file is too large: {what}',
+           'the limit is {limit}; split the program or make composites of what repeats'),
+    _error('L0108', 'document types, entities and processing instructions are not allowed',
+           'remove the <!DOCTYPE ...>, <!ENTITY ...> or <?...?>; programs are untrusted input'),
+    _error('L0109', 'the file cannot be read: {reason}', 'check the path and the permissions'),
+    _error('L0110', 'format version {version} is not known',
+           'this release reads version {known}; update ladder_ros or save the program again'),
+    _error('L0111', 'unexpected text in <{element}>', 'only <specification> holds text'),
+    _error('L0112', '<{element}> appears more than once in <{parent}>',
+           'keep one of them'),
+    _error('L0113', '<{element}> stands in the wrong place in <{parent}>',
+           'the order in it is: {order}'),
+)
+
+_NAMES = (
+    _error('L0201', 'the name {name} is used twice', 'rename one of the two; case does not count'),
+    _error('L0202', '{name} is no legal name',
+           'a name is letters, digits and single underscores, and starts with a letter or _'),
+    _error('L0203', 'unknown variable {name}', 'declare it, or correct the name{hint}'),
+    _error('L0204', '{name} is {actual}, but {expected} is needed here',
+           'use a variable or literal of type {expected}'),
+    _error('L0205', 'bad literal for {type}', '{reason}'),
+    _error('L0206', 'unknown composite {name}', 'define it in <composites>{hint}'),
+    _error('L0207', 'composite {name} contains itself', 'break the chain {chain}'),
+    _error('L0208', 'unknown block type {name}', 'known blocks: {known}{hint}'),
+    _error('L0209', '{owner} has no pin or parameter {pin}', 'it has {known}'),
+    _error('L0210', '{owner} needs its pin or parameter {pin} connected',
+           'bind a variable or a literal of type {type} to it'),
+    _error('L0211', '{name} cannot be written', '{reason}'),
+    _warning('L0212', '{name} is written by more than one coil',
+             'the last one evaluated wins in each scan; use set and reset coils, or one coil'),
+    _error('L0213', 'the instance {name} is used as {actual} and as {expected}',
+           'give each block or composite an instance name of its own'),
+    _error('L0215', 'unknown task {name}', 'declare it in <tasks>{hint}'),
+    _error('L0216', '{name} {what} an instance name', '{reason}'),
+    _error('L0218', 'pin {pin} needs exactly one of operand, source and row', 'keep one of them'),
+    _error('L0219', 'the program has no body', 'add <body name="main"> with at least one rung'),
+    _error('L0220', 'the types of {name} do not fit together',
+           'its inputs and output must be of one type: {reason}'),
+    _error('L0221', 'pin {pin} of {name} is connected twice', 'keep one of the connections'),
+    _warning('L0222', 'the instance {name} is called more than once',
+             'it keeps one state for all its calls; give each call an instance of its own'),
+    _error('L0223', 'a composite may not have a component of this kind: {what}', '{reason}'),
+)
+
+_DRAWING = (
+    _error('L0301', 'two components cover the same cell: {first} and {second}',
+           'move one of them to a free cell'),
+    _error('L0302', '{name} lies outside the power rails',
+           'the rung is {width} columns wide: move it, or make the rung wider'),
+    _error('L0303', 'the {end} end of {name} is connected to nothing',
+           'draw a row to the next component or rail, or move the component'),
+    _error('L0304', 'the parallel interface of {name} points {side} to nothing',
+           'set {side}="none", or join it to a component or column in the next row'),
+    _error('L0305', 'nothing stands between the power rails', '{reason}'),
+    _error('L0306', 'power cannot reach {name}', 'connect its left end to the left power rail'),
+    _error('L0307', 'the data connections form a loop without a function block: {chain}',
+           'break the loop, or put a function block into it'),
+    _warning('L0308', 'power from {name} goes nowhere', 'end the branch with a coil or a block'),
+    _error('L0310', '{source} is no data output in this drawing',
+           'write the id of a block and one of its outputs, as in t1.ET{hint}'),
+    _warning('L0311', '{name} is connected straight to the left power rail',
+             'it is always on; put a contact before it if that is not meant'),
+    _error('L0312', '{name} has no component in its row {row}',
+           'a power pin lies in one of the rows the component covers'),
+    _error('L0313', 'the power flow forms a loop: {chain}',
+           'a relay loop has no meaning in one scan; break it'),
+)
+
+_COMPILING = (
+    _error('L0401', 'the program grows too large when its composites are put in: {count}',
+           'at most {limit} components; composites nested in composites multiply'),
+    _error('L0402', 'bad instruction list: {reason}', '{expected}'),
+)
+
+_RUNNING = (
+    _error('L0501', 'the table of inputs cannot be read: {reason}', '{expected}'),
+    _error('L0502', 'there is no variable {name} in the program', 'check the name{hint}'),
+    _error('L0503', 'bad value for {name}: {reason}', '{expected}'),
+    _error('L0504', 'unknown backend {name}', 'available here: {known}'),
+    _error('L0505', 'the scan interval {value} cannot be used', '{reason}'),
+    _error('L0506', 'the program stopped with a fault: {reason}', '{expected}'),
+    _error('L0507', 'the file cannot be written: {reason}', 'check the path and the permissions'),
+    _error('L0508', '{request} is not possible now: the controller is {state}', '{expected}'),
+)
+
+_ROS = (
+    _error('L0601', 'the I/O map names {name}, which is no variable of the program',
+           'correct or remove the entry io.{name}{hint}'),
+    _error('L0602', 'message type {type} does not fit {name}', '{expected}'),
+    _error('L0603', '{topic} is no legal topic name', '{reason}'),
+    _error('L0604', 'parameter {name} has a bad value', '{expected}'),
+    _error('L0605', 'the program {name} may not be loaded', '{reason}'),
+    _warning('L0606', 'unknown parameter {name}: it is ignored',
+             'correct the name{hint}, or leave it if it is meant for another node'),
+    _error('L0607', 'unknown I/O parameter {name}', 'an entry of the I/O map has {known}{hint}'),
+    _error('L0608', 'the topic {topic} belongs to more than one variable',
+           'give {name} another topic with io.{name}.topic'),
+    _warning('L0609', 'the I/O map names {name}, which this program does not have',
+             'the entry rests until a program with this variable is loaded'),
+    _error('L0610', 'the program was not loaded in time: {reason}', '{expected}'),
+)
+
+PROBLEMS: Mapping[str, Problem] = {
+    row.code: row
+    for table in (_FILES, _NAMES, _DRAWING, _COMPILING, _RUNNING, _ROS)
+    for row in table
+}
+"""Every problem by its code."""
