@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Locations, diagnostics and the two families of failure.
 
-A user's mistake is a :class:`Diagnostic` (stable code, place, what is wrong, what is there, what to
-do) and travels in a :class:`LadderError`.  A broken invariant of ours is an :class:`InternalError`.
+A user's mistake is a :class:`Diagnostic` (stable code, place, what is wrong, what is there, what
+to do) and travels in a :class:`LadderError`.  A broken invariant of ours is an
+:class:`InternalError`.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The one contract between compiler and runtime.
 
-An :class:`Executable` is a compiled program: the layout of its state (slots), its entry points, and
-the map from slots back to components.  It holds no state itself: the state is a list with one
+An :class:`Executable` is a compiled program: the layout of its state (slots), its entry points,
+and the map from slots back to components.  It holds no state itself: the state is a list with one
 Python value a slot, made by :meth:`Executable.initial_state` and given to each scan.
 """
 
@@ -20,7 +20,7 @@ State = list[Value]
 """One value a slot, in slot order."""
 
 ARITHMETIC_ERRORS = '%arithmetic_errors'
-"""Path of the slot (LINT, always slot 0) that counts arithmetic errors such as division by zero."""
+"""Path of the slot (LINT, always slot 0) that counts arithmetic errors (division by zero)."""
 
 
 class SlotClass(Enum):

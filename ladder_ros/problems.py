@@ -132,6 +132,8 @@ _RUNNING = (
     _error('L0506', 'the program stopped with a fault: {reason}', '{expected}'),
     _error('L0507', 'the file cannot be written: {reason}', 'check the path and the permissions'),
     _error('L0508', '{request} is not possible now: the controller is {state}', '{expected}'),
+    _error('L0509', 'the program has no body or composite {name}', 'it has {known}'),
+    _error('L0510', 'programs cannot be written as {form}', 'available here: {known}'),
 )
 
 _ROS = (

@@ -12,11 +12,11 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ladder_ros.compiler.symbols import Operand, Ref, Resolved
-from ladder_ros.compiler.wiring import Rail, describe
-from ladder_ros.model.component import Block, Component, Contact, Instance
+from ladder_ros.compiler.wiring import describe, Rail
+from ladder_ros.model.component import Block, Coil, Component, Contact, Instance
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,6 +40,16 @@ class SymbolVertex:
         return f's{self.id}'
 
 
+def describe_symbol(symbol: SymbolVertex) -> str:
+    """Return what the component is, with the operand that it has in this graph's POU."""
+    component = symbol.component
+    if isinstance(component, (Contact, Coil)):
+        return describe(replace(component, operand=str(symbol.resolved.operand)))
+    if isinstance(component, (Block, Instance)):
+        return describe(replace(component, instance=symbol.instance))
+    return describe(component)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VirtualVertex:
     """A vertical line on grid line ``column`` from row ``first`` to row ``last``, or a rail."""
@@ -50,8 +60,9 @@ class VirtualVertex:
     last: int
     rail: Rail = Rail.NONE
 
-    def __str__(self) -> str:
-        return f'V{self.id}({self.column}, {self.first}, {self.last})'
+    def label(self, number: int) -> str:
+        """Return the vertex as paper 3 writes it: V3(column, first row, last row)."""
+        return f'V{number}({self.column}, {self.first}, {self.last})'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,7 +121,8 @@ class Aov:
 
     def _print(self) -> Iterator[str]:
         into, out = self.degrees()
-        name = {v.id: str(v) for v in self.virtuals} | {s.id: s.path for s in self.symbols}
+        name = {s.id: s.path for s in self.symbols}
+        name.update((v.id, v.label(n)) for n, v in enumerate(self.virtuals))
         after: dict[int, list[str]] = defaultdict(list)
         for arc in self.arcs:
             text = name[arc.target] + (f'.{arc.target_pin}' if arc.target_pin else '')
@@ -125,11 +137,12 @@ class Aov:
             yield (f'  {name[vertex.id]:18} {", ".join(kinds) or "vertical line":22} -> '
                    f'{", ".join(after[vertex.id]) or "."}')
         for symbol in self.symbols:
-            yield (f'  {symbol.path:18} {describe(symbol.component):22} -> '
+            yield (f'  {symbol.path:18} {describe_symbol(symbol):22} -> '
                    f'{", ".join(after[symbol.id]) or "."}')
         for start, chain, end in self.branches():
             middle = ' '.join(name[i] for i in chain) or '(line)'
-            yield f'  branch {name[start]}: {middle} => {name[end] if end is not None else "output"}'
+            goal = 'output' if end is None else name[end]
+            yield f'  branch {name[start]}: {middle} => {goal}'
 
 
 def reads_and_writes(symbol: SymbolVertex) -> tuple[tuple[Operand, ...], tuple[Operand, ...]]:

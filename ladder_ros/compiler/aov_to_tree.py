@@ -5,15 +5,15 @@
 Three rules, applied until none fits, each in constant time:
 
 - series:   a joint with one branch in and one out: ``And(in, out)``;
-- parallel: two branches from one joint to another: ``Or(upper, lower)`` (simple parallel; same-root
-  and different-root nesting of paper 2 become simple ones step by step);
+- parallel: two branches from one joint to another: ``Or(upper, lower)`` (simple parallel;
+  same-root and different-root nesting of paper 2 become simple ones step by step);
 - fork:     a joint whose branches out are outputs, but for at most one: ``Fork``.
 
 What is left is not series-parallel (bridges): its joints get a temporary each and its branches are
 evaluated one by one.  The result must evaluate components in the order that the graph gives
 wherever that can be observed, that is, where one writes what another reads or writes.  If it does
-not, the rung is evaluated component by component in just that order.  Cost: near-linear, the sorting
-of parallel branches included.
+not, the rung is evaluated component by component in just that order.  Cost: near-linear, the
+sorting of parallel branches included.
 """
 
 from __future__ import annotations
@@ -27,7 +27,19 @@ import math
 from ladder_ros.compiler.aov import Aov, reads_and_writes
 from ladder_ros.compiler.symbols import Operand
 from ladder_ros.compiler.tree import (
-    And, Forest, Fork, Leaf, Load, Or, Pin, Save, Tree, Wire, leaves, pin_operand)
+    And,
+    Forest,
+    Fork,
+    Leaf,
+    leaves,
+    Load,
+    Or,
+    Pin,
+    pin_operand,
+    Save,
+    Tree,
+    Wire,
+)
 from ladder_ros.compiler.wiring import Rail
 from ladder_ros.diagnostics import InternalError
 
@@ -46,8 +58,8 @@ AccessKey = Callable[[Operand], 'str | None']
 def reduce_to_tree(aov: Aov, access_key: AccessKey) -> Forest:
     """Return the rung's trees.
 
-    ``access_key`` names the variable that an operand stands for (two operands with the same key may
-    be the same variable), or is None for a literal.
+    ``access_key`` names the variable that an operand stands for (two operands with the same key
+    may be the same variable), or is None for a literal.
     """
     forest = _Reducer(aov=aov).run(reduce=True)
     return forest if _keeps_order(forest, aov, access_key) else sequence(aov)
@@ -207,7 +219,7 @@ class _Reducer:
         fork = Fork(branches=tuple(edge.tree() for edge in ordered), goes_on=goes_on)
         self._add(_Edge(joint, inner[0].target if inner else OUTPUT, [(ordered[0].rank, fork)]))
 
-    # -- what is not series-parallel ---------------------------------------------------------------
+    # -- what is not series-parallel -------------------------------------------------------------
 
     def _evaluate_joints(self, edges: Sequence[_Edge]) -> list[Tree]:
         """Evaluate branches one by one, each as soon as its joint's value is complete."""

@@ -10,9 +10,9 @@ from ladder_ros.compiler.il import InstructionList
 from ladder_ros.compiler.il_text import print_il
 from ladder_ros.compiler.il_to_python import emit_python
 from ladder_ros.compiler.link import lay_out, link_code, list_components
-from ladder_ros.compiler.pipeline import Stages, analyse, build_trees, lower
+from ladder_ros.compiler.pipeline import analyse, build_trees, lower, Stages
 from ladder_ros.compiler.symbols import pou_key
-from ladder_ros.diagnostics import LadderError, has_errors
+from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.model.program import Body, Pou, Program
 
 
@@ -85,7 +85,7 @@ def _python(program: Program, stages: Stages, pou: str | None) -> str:
         {entry.path: entry.index for entry in components}).text
 
 
-_DUMPS: Mapping[str, Callable[[Program, Stages, 'str | None'], str]] = {
+_DUMPS: Mapping[str, Callable[[Program, Stages, str | None], str]] = {
     'wiring': _wiring, 'aov': _aov, 'tree': _tree, 'il': _il, 'python': _python}
 
 STAGES = tuple(_DUMPS)

@@ -20,8 +20,8 @@ S R x                        x := TRUE, or FALSE, if the current result is TRUE
 STP STF x, m                 x := rising, or falling, edge of the current result; m holds the last
 CAL type instance            call a function block: current result -> power input, output -> result
 FUN type                     call a function: current result -> EN, ENO or OUT -> result
-EXE composite instance       execute the instance's routine if the current result is TRUE; when that
-                             ends, release the routine's timers once
+EXE composite instance       execute the instance's routine if the current result is TRUE; when
+                             that ends, release the routine's timers once
 ===========================  ======================================================================
 
 IEC 61131-3 (tables 52 and 53) has LD to R and CAL; ANB, ORB, MPS, MRD, MPP and the pulse forms are
@@ -83,9 +83,10 @@ BARE = frozenset({Op.ANB, Op.ORB, Op.MPS, Op.MRD, Op.MPP, Op.LRD, Op.LPP, Op.DRP
 class Call:
     """What CAL, FUN and EXE call.
 
-    ``name`` is the block's type, or for EXE the composite.  ``instance`` is the path of the function
-    block or composite instance (the routine's name); ``type`` what a function's generic pins stand
-    for.  ``inputs`` are all but the power input; ``outputs`` those that are written to a variable.
+    ``name`` is the block's type, or for EXE the composite.  ``instance`` is the path of the
+    function block or composite instance (the routine's name); ``type`` what a function's generic
+    pins stand for.  ``inputs`` are all but the power input; ``outputs`` those that are written to
+    a variable.
     """
 
     name: str

@@ -9,12 +9,19 @@ from dataclasses import dataclass, field
 
 from ladder_ros.blocks import FUNCTION_BLOCKS, FUNCTIONS, RELEASE
 from ladder_ros.compiler.il import (
-    Call, Instruction, InstructionList, Network, Op, Routine, active_flag)
+    active_flag,
+    Call,
+    Instruction,
+    InstructionList,
+    Network,
+    Op,
+    Routine,
+)
 from ladder_ros.compiler.symbols import Operand, Ref
 from ladder_ros.diagnostics import InternalError
 from ladder_ros.executable import Scan, State
 from ladder_ros.model.catalogue import CATALOGUE
-from ladder_ros.model.types import DataType, Value, default_value
+from ladder_ros.model.types import DataType, default_value, Value
 
 _CONTACTS = {
     Op.LD: '', Op.AND: '', Op.OR: '', Op.LDN: 'N', Op.ANDN: 'N', Op.ORN: 'N',
@@ -166,7 +173,7 @@ class _Machine:
         inputs = [bound[pin.name] for pin in kind.inputs]
         fields = [_field(call, pin.name) for pin in kind.state]
         after = FUNCTION_BLOCKS[call.name](self.now, *inputs, *(self.read(f) for f in fields))
-        for ref, value in zip(fields, after):
+        for ref, value in zip(fields, after, strict=False):
             self.write(ref, value)
         for pin_name, target in call.outputs:
             self.write(target, self.read(_field(call, pin_name)))
@@ -211,10 +218,10 @@ class _Machine:
             elif instruction.op is Op.CAL and inner.name in RELEASE:
                 fields = [_field(inner, pin.name) for pin in CATALOGUE[inner.name].state]
                 after = RELEASE[inner.name](*(self.read(f) for f in fields))
-                for ref, value in zip(fields, after):
+                for ref, value in zip(fields, after, strict=False):
                     self.write(ref, value)
 
 
 def _field(call: Call, pin: str) -> Ref:
-    """Return the state variable of a block instance that holds a pin (its type does not matter)."""
+    """Return the state variable of a block instance that holds a pin (whatever its type)."""
     return Ref(path=f'{call.instance}.{pin}', type=DataType.BOOL)

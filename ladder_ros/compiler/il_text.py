@@ -8,7 +8,15 @@ from collections.abc import Iterator
 import re
 
 from ladder_ros.compiler.il import (
-    BARE, EDGES, Call, Instruction, InstructionList, Network, Op, Routine)
+    BARE,
+    Call,
+    EDGES,
+    Instruction,
+    InstructionList,
+    Network,
+    Op,
+    Routine,
+)
 from ladder_ros.compiler.symbols import Literal, Operand, Ref
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.catalogue import CATALOGUE
@@ -55,7 +63,8 @@ def _print_call(op: Op, call: Call) -> str:
 
 _STRING = r"'(?:[^'$]|\$.)*'"
 _LINE = re.compile(
-    rf'\s*(?P<op>[A-Z]+)\s*(?P<rest>(?:{_STRING}|[^\'])*?)\s*(?:\(\* (?P<component>[\w/]+) \*\))?$')
+    rf'\s*(?P<op>[A-Z]+)\s*(?P<rest>(?:{_STRING}|[^\'])*?)\s*'
+    r'(?:\(\* (?P<component>[\w/]+) \*\))?$')
 _CALL = re.compile(
     rf'(?P<name>\w+) (?P<what>[\w.%]+) \((?P<inputs>(?:{_STRING}|[^\'()])*)\) '
     r'\((?P<outputs>[^()]*)\)$')
@@ -76,7 +85,7 @@ def parse_il(text: str, file: str = '') -> InstructionList:
         word, _, rest = line.strip().partition(' ')
         if word in ('BODY', 'ROUTINE'):
             routines.append((rest.strip(), word == 'BODY', []))
-        elif not routines or word != 'NETWORK' and not routines[-1][2]:
+        elif not routines or (word != 'NETWORK' and not routines[-1][2]):
             raise _bad(location, line, 'a program starts with BODY name, then NETWORK name')
         elif word == 'NETWORK':
             rung, _, comment = rest.strip().partition(' ')

@@ -16,11 +16,18 @@ import math
 
 from ladder_ros.blocks import FUNCTION_BLOCKS, FUNCTIONS, RELEASE
 from ladder_ros.compiler.il import (
-    Call, Instruction, InstructionList, Network, Op, Routine, active_flag)
+    active_flag,
+    Call,
+    Instruction,
+    InstructionList,
+    Network,
+    Op,
+    Routine,
+)
 from ladder_ros.compiler.symbols import Literal, Operand, Ref
 from ladder_ros.executable import Scan
 from ladder_ros.model.catalogue import CATALOGUE
-from ladder_ros.model.types import Value, default_value
+from ladder_ros.model.types import default_value, Value
 
 _NETWORKS_PER_FUNCTION = 100
 _LONGEST_EXPRESSION = 1000
@@ -29,7 +36,10 @@ _DEEPEST_EXPRESSION = 12
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PythonSource:
-    """Generated source.  ``names`` are the constants it needs; ``entries`` the bodies' functions."""
+    """Generated source.
+
+    ``names`` are the constants that it needs; ``entries`` gives each body's function.
+    """
 
     text: str
     names: Mapping[str, object]

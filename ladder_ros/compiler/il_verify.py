@@ -5,7 +5,15 @@
 from __future__ import annotations
 
 from ladder_ros.compiler.il import (
-    BARE, EDGES, LOADS, STORES, Instruction, InstructionList, Network, Op)
+    BARE,
+    EDGES,
+    Instruction,
+    InstructionList,
+    LOADS,
+    Network,
+    Op,
+    STORES,
+)
 from ladder_ros.compiler.symbols import Literal, Ref
 from ladder_ros.diagnostics import InternalError, Location
 from ladder_ros.model.types import DataType

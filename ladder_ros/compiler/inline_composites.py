@@ -127,8 +127,8 @@ class _Expander:
         for end in self.ends:
             sources, targets = into[end], out[end]
             if not (
-                len(sources) == 1 and (len(targets) == 1 or sources[0].source in virtual)
-                or len(targets) == 1 and targets[0].target in virtual
+                (len(sources) == 1 and (len(targets) == 1 or sources[0].source in virtual))
+                or (len(targets) == 1 and targets[0].target in virtual)
             ):
                 continue
             dropped.add(end)

@@ -13,14 +13,21 @@ from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.aov import Aov
 from ladder_ros.compiler.il import (
-    Call, Instruction, InstructionList, Network, Op, Routine, active_flag)
-from ladder_ros.compiler.symbols import Operand, Ref, Scope, Symbols, pou_key, substitute
+    active_flag,
+    Call,
+    Instruction,
+    InstructionList,
+    Network,
+    Op,
+    Routine,
+)
+from ladder_ros.compiler.symbols import Operand, pou_key, Ref, Scope, substitute, Symbols
 from ladder_ros.compiler.wiring import describe
 from ladder_ros.diagnostics import Location
 from ladder_ros.executable import ARITHMETIC_ERRORS, ComponentEntry, Slot, SlotClass
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.program import Composite, Program, Variable, VariableClass
-from ladder_ros.model.types import DataType, Value, default_value
+from ladder_ros.model.types import DataType, default_value, Value
 
 Code = Mapping[str, Sequence[Network]]
 """The networks of each POU, by its key."""
@@ -52,7 +59,7 @@ def link_code(program: Program, code: Code) -> InstructionList:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Pending:
-    """A routine to be made: its POU, the prefix and bindings of its names, its components' path."""
+    """A routine to be made: its POU, prefix and bindings of its names, its components' path."""
 
     name: str
     key: str
@@ -99,7 +106,7 @@ def _place(network: Network, frame: _Pending) -> Network:
 
 
 def lay_out(program: Program, symbols: Symbols, code: InstructionList) -> tuple[Slot, ...]:
-    """Return the slots of the program's state: variables, then blocks and memories in use order."""
+    """Return the slots of the program's state: variables, then blocks and memories as used."""
     layout = _Layout()
     layout.add(ARITHMETIC_ERRORS, DataType.LINT, SlotClass.SYSTEM, 0)
     for variable in program.variables:
@@ -149,7 +156,9 @@ class _Layout:
 
     def add_instruction(self, instruction: Instruction) -> None:
         if instruction.memory is not None:
-            self.add(instruction.memory.path, DataType.BOOL, SlotClass.EDGE, False)
+            # An edge of another variable is another memory: it must not survive an online change.
+            self.add(instruction.memory.path, DataType.BOOL, SlotClass.EDGE, False,
+                     f'edge of {instruction.operand}'.casefold())
         call = instruction.call
         if call is None:
             return

@@ -8,20 +8,34 @@ Fails:  a composite that names a variable of the program (L0203): it sees only i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-import difflib
 import re
 
+from ladder_ros.compiler.resolve_rung import RungResolver, suggestion
 from ladder_ros.compiler.symbols import (
-    Literal, Operand, Ref, Resolved, Scope, Symbol, Symbols, data_slot, pou_key)
+    pou_key,
+    Resolved,
+    Scope,
+    Symbol,
+    Symbols,
+)
 from ladder_ros.diagnostics import Diagnostic, Location, problem
-from ladder_ros.model.catalogue import CATALOGUE, BlockKind, Generic, Pin
+from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.component import (
-    Argument, Block, Coil, Column, Component, Contact, Instance, Row)
+    Block,
+    Instance,
+)
 from ladder_ros.model.program import (
-    Composite, Direction, Parameter, Pou, Program, Rung, Variable, VariableClass)
-from ladder_ros.model.types import INTEGER_RANGE, DataType, parse_literal
+    Composite,
+    Direction,
+    Parameter,
+    Pou,
+    Program,
+    Rung,
+    Variable,
+    VariableClass,
+)
 
 NAME = re.compile(r'[A-Za-z_][A-Za-z0-9_]*$')
 IDENTIFIER = re.compile(r'[A-Za-z0-9_]+$')
@@ -31,13 +45,6 @@ def resolve_symbols(program: Program) -> tuple[Symbols, tuple[Diagnostic, ...]]:
     """Return the program's symbols and everything that is wrong with its names and types."""
     resolver = _Resolver(program=program)
     return resolver.run(), tuple(resolver.found)
-
-
-def suggestion(name: str, known: Iterable[str]) -> str:
-    """Return ``; did you mean X?`` for a likely misspelling, or nothing."""
-    spelled = {candidate.casefold(): candidate for candidate in known}
-    close = difflib.get_close_matches(name.casefold(), list(spelled), n=1, cutoff=0.7)
-    return f'; did you mean {spelled[close[0]]}?' if close else ''
 
 
 @dataclass(slots=True, kw_only=True)
@@ -183,7 +190,7 @@ class _Resolver:
         for rung in pou.rungs:
             self._unique(((c.id, c.location) for c in rung.components), pattern=IDENTIFIER)
             by_id = {c.id.casefold(): c for c in rung.components}
-            in_rung = _RungResolver(
+            in_rung = RungResolver(
                 report=self.report, scope=scope, rung=rung, by_id=by_id,
                 composites=self.composites)
             found = self.resolved.setdefault((pou_key(pou), rung.id.casefold()), {})
@@ -209,377 +216,3 @@ def _parameter_symbol(parameter: Parameter) -> Symbol:
     if parameter.direction is Direction.INPUT:
         fixed = 'it is an input parameter; make it inout if the composite must write it'
     return Symbol(name=parameter.name, type=parameter.type, is_parameter=True, why_fixed=fixed)
-
-
-Report = Callable[..., None]
-
-
-@dataclass(slots=True, kw_only=True)
-class _RungResolver:
-    """Resolves the operands of the components of one rung."""
-
-    report: Report
-    scope: Scope
-    rung: Rung
-    by_id: dict[str, Component]
-    composites: dict[str, Composite]
-    function_types: dict[str, DataType | None] = field(default_factory=dict)
-
-    def resolve(self, component: Component) -> Resolved | None:
-        """Return what the component refers to, or None after reporting why that is impossible."""
-        if isinstance(component, (Row, Column)):
-            return Resolved()
-        if isinstance(component, Contact):
-            operand = self.operand(component.operand, component.location, DataType.BOOL)
-            return Resolved(operand=operand) if operand is not None else None
-        if isinstance(component, Coil):
-            target = self.target(component.operand, component.location, DataType.BOOL)
-            return Resolved(operand=target) if target is not None else None
-        if isinstance(component, Block):
-            return self._block(component)
-        return self._instance(component)
-
-    def operand(
-        self, text: str, location: Location, expected: DataType | None,
-    ) -> Operand | None:
-        """Resolve something that is read: a variable, a block's output or a literal."""
-        if _looks_literal(text):
-            return self._literal(text, location, expected)
-        ref = self._variable(text, location)
-        if ref is None:
-            return None
-        if expected is not None and ref.type is not expected:
-            self.report('L0204', location, name=text, actual=ref.type, expected=expected)
-            return None
-        return ref
-
-    def target(self, text: str, location: Location, expected: DataType | None) -> Ref | None:
-        """Resolve something that is written: a variable that may be."""
-        if _looks_literal(text):
-            self.report('L0211', location, name=text, reason='it is a literal; name a variable')
-            return None
-        operand = self.operand(text, location, expected)
-        if not isinstance(operand, Ref):
-            return None
-        symbol = self.scope.symbols.get(text.casefold())
-        reason = symbol.why_fixed if symbol else 'it is the output of a block'
-        if reason:
-            self.report('L0211', location, name=text, reason=reason)
-            return None
-        return operand
-
-    def _variable(self, text: str, location: Location) -> Ref | None:
-        symbol = self.scope.symbols.get(text.casefold())
-        if symbol is not None:
-            return Ref(path=symbol.name, type=symbol.type)
-        instance, _, pin_name = text.partition('.')
-        block = self.scope.blocks.get(instance.casefold())
-        if block is not None and pin_name:
-            spelled, kind = block
-            pin = kind.output(pin_name)
-            if pin is not None and isinstance(pin.type, DataType):
-                return Ref(path=f'{spelled}.{pin.name}', type=pin.type)
-            self.report('L0209', location, owner=f'{spelled} ({kind.name})', pin=pin_name,
-                        known=', '.join(p.name for p in kind.outputs))
-            return None
-        known = [s.name for s in self.scope.symbols.values()]
-        known += [f'{name}.{p.name}' for name, k in self.scope.blocks.values() for p in k.outputs]
-        hint = suggestion(text, known)
-        self.report('L0203', location, name=text, hint=hint)
-        return None
-
-    def _literal(
-        self, text: str, location: Location, expected: DataType | None,
-    ) -> Literal | None:
-        try:
-            type_ = expected or literal_type(text)
-            return Literal(value=parse_literal(text, type_), type=type_)
-        except ValueError as error:
-            self.report('L0205', location, text, type=expected or 'an operand', reason=error)
-            return None
-
-    def _source(self, argument: Argument) -> tuple[Ref, str] | None:
-        """Resolve a direct data connection ``id.PIN`` to another component's output."""
-        identifier, _, pin_name = argument.source.partition('.')
-        component = self.by_id.get(identifier.casefold())
-        kind = CATALOGUE.get(component.type.upper()) if isinstance(component, Block) else None
-        pin = kind.output(pin_name) if kind else None
-        if not isinstance(component, Block) or kind is None or pin is None:
-            self.report('L0310', argument.location, source=argument.source, hint=suggestion(
-                identifier, (c.id for c in self.by_id.values() if isinstance(c, Block))))
-            return None
-        if not kind.is_function:
-            assert isinstance(pin.type, DataType)
-            return Ref(path=f'{component.instance}.{pin.name}', type=pin.type), component.id
-        type_ = pin.type if isinstance(pin.type, DataType) else self._function_type(component)
-        if type_ is None:
-            return None
-        return data_slot(self.rung.id, component.id, pin.name, type_), component.id
-
-    def _function_type(self, block: Block) -> DataType | None:
-        """Find what a function's generic pins stand for: the type of the variables it joins."""
-        key = block.id.casefold()
-        if key in self.function_types:
-            return self.function_types[key]
-        self.function_types[key] = None
-        kind = CATALOGUE[block.type.upper()]
-        types: dict[str, DataType] = {}
-        literals: list[str] = []
-        for argument, pin in self._generic_arguments(block, kind):
-            if argument.source:
-                source = self._source(argument)
-                if source is not None:
-                    types[pin.name] = source[0].type
-            elif _looks_literal(argument.operand):
-                literals.append(argument.operand)
-            else:
-                ref = self._variable(argument.operand, argument.location)
-                if ref is None:
-                    return None
-                types[pin.name] = ref.type
-        return self._one_type(block, kind, types, literals)
-
-    def _generic_arguments(
-        self, block: Block, kind: BlockKind,
-    ) -> Iterable[tuple[Argument, Pin]]:
-        for argument in (*block.inputs, *block.outputs):
-            pin = kind.input(argument.pin) or kind.output(argument.pin)
-            if pin is not None and isinstance(pin.type, Generic) and argument.row is None:
-                yield argument, pin
-
-    def _one_type(
-        self, block: Block, kind: BlockKind, types: dict[str, DataType], literals: list[str],
-    ) -> DataType | None:
-        try:
-            candidates = set(types.values()) or {literal_type(text) for text in literals}
-        except ValueError as error:
-            self.report('L0205', block.location, literals[0], type='an operand', reason=error)
-            return None
-        if len(candidates) != 1:
-            reason = ', '.join(f'{pin} is {type_}' for pin, type_ in types.items())
-            self.report('L0220', block.location, name=f'{block.id} ({kind.name})',
-                        reason=reason or 'none of them is connected')
-            return None
-        (type_,) = candidates
-        generics = [p.type for p in kind.inputs if isinstance(p.type, Generic)]
-        if not all(generic.admits(type_) for generic in generics):
-            self.report('L0220', block.location, name=f'{block.id} ({kind.name})',
-                        reason=f'{type_} is none of {generics[0].value}')
-            return None
-        self.function_types[block.id.casefold()] = type_
-        return type_
-
-    def _block(self, block: Block) -> Resolved | None:
-        kind = CATALOGUE.get(block.type.upper())
-        if kind is None:
-            self.report('L0208', block.location, name=block.type, known=', '.join(CATALOGUE),
-                        hint=suggestion(block.type, CATALOGUE))
-            return None
-        if kind.is_function and block.instance:
-            self.report('L0216', block.location, name=kind.name, what='is a function and takes no',
-                        reason='remove the attribute instance')
-            return None
-        if not kind.is_function and not block.instance:
-            self.report('L0216', block.location, name=kind.name, what='needs',
-                        reason='add instance="..." to name its state')
-            return None
-        generic = DataType.BOOL
-        if any(isinstance(pin.type, Generic) for pin in kind.inputs):
-            found = self._function_type(block)
-            if found is None:
-                return None
-            generic = found
-        inputs, sources = self._inputs(block, kind, generic)
-        outputs = self._outputs(block, kind, generic)
-        if inputs is None or outputs is None:
-            return None
-        return Resolved(inputs=inputs, outputs=outputs, type=generic, sources=sources)
-
-    def _inputs(
-        self, block: Block, kind: BlockKind, generic: DataType,
-    ) -> tuple[tuple[tuple[str, Operand], ...] | None, tuple[str, ...]]:
-        bound: dict[str, Operand] = {}
-        powered = {kind.power_input}
-        sources: list[str] = []
-        for argument in block.inputs:
-            pin = kind.input(argument.pin)
-            if not self._argument_fits(block, kind, argument, pin, kind.inputs, {*bound, *powered}):
-                return None, ()
-            assert pin is not None
-            type_ = pin.type if isinstance(pin.type, DataType) else generic
-            if argument.row is not None:
-                if type_ is not DataType.BOOL:
-                    self.report('L0204', argument.location, name=pin.name, actual='power (BOOL)',
-                                expected=type_)
-                    return None, ()
-                powered.add(pin.name)
-                continue
-            operand: Operand | None
-            if argument.source:
-                source = self._source(argument)
-                operand = source[0] if source else None
-                if source and source[0].type is not type_:
-                    self.report('L0204', argument.location, name=argument.source,
-                                actual=source[0].type, expected=type_)
-                    operand = None
-                if source:
-                    sources.append(source[1].casefold())
-            else:
-                operand = self.operand(argument.operand, argument.location, type_)
-            if operand is None:
-                return None, ()
-            bound[pin.name] = operand
-        for pin in kind.inputs:
-            if pin.name in bound or pin.name in powered:
-                continue
-            mandatory = pin.default is None or isinstance(pin.type, Generic)
-            if mandatory:
-                self.report('L0210', block.location, owner=f'{block.id} ({kind.name})',
-                            pin=pin.name, type=pin.type.value)
-                return None, ()
-            assert pin.default is not None and isinstance(pin.type, DataType)
-            bound[pin.name] = Literal(value=pin.default, type=pin.type)
-        return tuple(bound.items()), tuple(sources)
-
-    def _outputs(
-        self, block: Block, kind: BlockKind, generic: DataType,
-    ) -> tuple[tuple[str, Ref], ...] | None:
-        bound: dict[str, Ref] = {}
-        powered = {kind.power_output}
-        for argument in block.outputs:
-            pin = kind.output(argument.pin)
-            if not self._argument_fits(block, kind, argument, pin, kind.outputs, {*bound}):
-                return None
-            assert pin is not None
-            type_ = pin.type if isinstance(pin.type, DataType) else generic
-            if argument.source:
-                self.report('L0218', argument.location, 'an output has no source', pin=pin.name)
-                return None
-            if argument.row is not None:
-                if type_ is not DataType.BOOL or pin.name in powered:
-                    self.report('L0204', argument.location, name=pin.name, actual=type_,
-                                expected='BOOL and not the power output already')
-                    return None
-                powered.add(pin.name)
-                continue
-            target = self.target(argument.operand, argument.location, type_)
-            if target is None:
-                return None
-            bound[pin.name] = target
-        return tuple(bound.items())
-
-    def _argument_fits(
-        self, block: Block, kind: BlockKind, argument: Argument, pin: Pin | None,
-        pins: Sequence[Pin], taken: set[str],
-    ) -> bool:
-        owner = f'{block.id} ({kind.name})'
-        given = (bool(argument.operand), bool(argument.source), argument.row is not None)
-        if pin is None:
-            self.report('L0209', argument.location, owner=owner, pin=argument.pin,
-                        known=', '.join(p.name for p in pins))
-        elif sum(given) != 1:
-            self.report('L0218', argument.location, pin=pin.name)
-        elif pin.name in taken:
-            label = 'the drawing powers this pin' if pin.name == kind.power_input else ''
-            self.report('L0221', argument.location, label, pin=pin.name, name=owner)
-        else:
-            return True
-        return False
-
-    def _instance(self, instance: Instance) -> Resolved | None:
-        composite = self.composites.get(instance.composite.casefold())
-        if composite is None:
-            self.report('L0206', instance.location, name=instance.composite, hint=suggestion(
-                instance.composite, (c.name for c in self.composites.values())))
-            return None
-        if not instance.instance:
-            self.report('L0216', instance.location, name=composite.name, what='needs',
-                        reason='add instance="..." to name its state')
-            return None
-        parameters = {p.name.casefold(): p for p in composite.parameters}
-        bound: dict[str, Operand] = {}
-        sources: list[str] = []
-        owner = f'{instance.instance} ({composite.name})'
-        fine = True
-        for argument in instance.arguments:
-            parameter = parameters.get(argument.pin.casefold())
-            if parameter is None:
-                self.report('L0209', argument.location, owner=owner, pin=argument.pin,
-                            known=', '.join(p.name for p in composite.parameters) or 'none')
-                fine = False
-            elif parameter.name in bound:
-                self.report('L0221', argument.location, pin=parameter.name, name=owner)
-                fine = False
-            else:
-                operand = self._bind(argument, parameter, sources)
-                if operand is not None:
-                    bound[parameter.name] = operand
-                fine = fine and operand is not None
-        given = {argument.pin.casefold() for argument in instance.arguments}
-        for parameter in composite.parameters:
-            if parameter.name.casefold() in given:
-                continue
-            if parameter.default is None:
-                self.report('L0210', instance.location, owner=owner, pin=parameter.name,
-                            type=parameter.type)
-                fine = False
-            else:
-                bound[parameter.name] = Literal(value=parameter.default, type=parameter.type)
-        if not fine:
-            return None
-        return Resolved(inputs=tuple(bound.items()), sources=tuple(sources))
-
-    def _bind(
-        self, argument: Argument, parameter: Parameter, sources: list[str],
-    ) -> Operand | None:
-        if argument.row is not None or bool(argument.operand) == bool(argument.source):
-            self.report('L0218', argument.location,
-                        'a parameter is bound to an operand or a source', pin=parameter.name)
-            return None
-        if parameter.direction is not Direction.INPUT:
-            if argument.source:
-                self.report('L0211', argument.location, name=argument.source,
-                            reason='it is the output of a block')
-                return None
-            return self.target(argument.operand, argument.location, parameter.type)
-        if argument.operand:
-            return self.operand(argument.operand, argument.location, parameter.type)
-        source = self._source(argument)
-        if source is None:
-            return None
-        if source[0].type is not parameter.type:
-            self.report('L0204', argument.location, name=argument.source, actual=source[0].type,
-                        expected=parameter.type)
-            return None
-        sources.append(source[1].casefold())
-        return source[0]
-
-
-_LITERAL = re.compile(r"(?:[-+0-9.']|(?:true|false)$|(?:t|time|[su]?[sdl]?int|u[dl]int|bool|"
-                      r'byte|[dl]?word|l?real|string)#)', re.IGNORECASE)
-
-
-def _looks_literal(text: str) -> bool:
-    return _LITERAL.match(text) is not None
-
-
-def literal_type(text: str) -> DataType:
-    """Return the type of a literal that stands alone.  Raises ValueError if it is none."""
-    upper = text.upper()
-    prefix, mark, _ = upper.partition('#')
-    if upper in ('TRUE', 'FALSE'):
-        return DataType.BOOL
-    if upper.startswith("'"):
-        return DataType.STRING
-    if mark and prefix in ('T', 'TIME'):
-        return DataType.TIME
-    if mark and prefix in DataType.__members__:
-        return DataType[prefix]
-    if not mark and any(c in upper for c in '.E'):
-        return DataType.REAL
-    for type_ in (DataType.INT, DataType.DINT, DataType.LINT, DataType.ULINT):
-        low, high = INTEGER_RANGE[type_]
-        value = parse_literal(text, DataType.LINT) if type_ is not DataType.ULINT else None
-        if value is None or low <= int(value) <= high:
-            return type_
-    raise ValueError(f'{text!r} is no literal')

@@ -16,11 +16,18 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
-from ladder_ros.compiler.wiring import End, Line, Net, Part, Rail, Wiring, describe
+from ladder_ros.compiler.wiring import describe, End, Line, Net, Part, Rail, Wiring
 from ladder_ros.diagnostics import Diagnostic, problem
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import (
-    Argument, Block, Coil, Column, Component, Contact, Instance, Row)
+    Argument,
+    Block,
+    Coil,
+    Column,
+    Component,
+    Contact,
+    Row,
+)
 from ladder_ros.model.program import Rung
 
 Point = tuple[int, int]
@@ -121,8 +128,10 @@ class _Analyser:
             self.report('L0312', block, name=f'pin {argument.pin} of {block.id}', row=argument.row)
             return
         kind = CATALOGUE.get(block.type.upper())
-        pin = (kind.input(argument.pin) if is_left else kind.output(argument.pin)) if kind else None
-        name = pin.name if pin else argument.pin
+        name = argument.pin
+        if kind is not None:
+            pin = kind.input(name) if is_left else kind.output(name)
+            name = pin.name if pin else name
         self.ends.append((block, is_left, name, (x, block.placement.y + argument.row)))
 
     def _join_verticals(self) -> None:
@@ -149,7 +158,7 @@ class _Analyser:
             lower = ups.pop((x, y + 1), [])
             if not lower:
                 self._report_sides(upper, 'down')
-            for component, node in upper + lower:
+            for _, node in upper + lower:
                 self._union(upper[0][1], node)
                 self.vertical.add(node)
             self.parallel += [(a.id, b.id) for a, _ in upper for b, _ in lower]

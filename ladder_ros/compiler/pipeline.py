@@ -22,12 +22,12 @@ from ladder_ros.compiler.inline_composites import expand_inline
 from ladder_ros.compiler.link import lay_out, link_code, list_components
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
-from ladder_ros.compiler.symbols import Operand, Ref, Symbols, pou_key
+from ladder_ros.compiler.symbols import Operand, pou_key, Ref, Symbols
 from ladder_ros.compiler.tree import Forest
 from ladder_ros.compiler.tree_to_il import lower_to_il
 from ladder_ros.compiler.wiring import Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
-from ladder_ros.diagnostics import Diagnostic, LadderError, has_errors
+from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError
 from ladder_ros.executable import Entry, Executable, Scan, Variant
 from ladder_ros.model.program import Body, CallKind, Pou, Program, RunKind
 
@@ -96,7 +96,7 @@ def check_program(program: Program) -> tuple[Diagnostic, ...]:
         return error.diagnostics
 
 
-# -- the stages ------------------------------------------------------------------------------------
+# -- the stages -----------------------------------------------------------------------------
 
 def analyse(program: Program) -> Stages:
     """Resolve names, analyse connections and build the graphs, as far as errors allow."""
@@ -165,7 +165,7 @@ def _is_inline(pou: Pou) -> bool:
 
 
 def _access_key(pou: Pou) -> AccessKey:
-    """Return what tells two operands of a POU apart: parameters of one type may be one variable."""
+    """Return what tells operands of a POU apart: parameters of a type may be one variable."""
     parameters = {} if isinstance(pou, Body) else {
         p.name.casefold(): f'parameter of type {p.type}' for p in pou.parameters}
 
@@ -200,7 +200,7 @@ def _in_order(found: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     return tuple(sorted(found, key=lambda d: (d.location.line or 0, d.code)))
 
 
-# -- backends and dumps ----------------------------------------------------------------------------
+# -- backends -------------------------------------------------------------------------------
 
 def _python(
     code: InstructionList, slots: Mapping[str, int], components: Mapping[str, int],

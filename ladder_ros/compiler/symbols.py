@@ -6,11 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Union
 
 from ladder_ros.model.catalogue import BlockKind
 from ladder_ros.model.program import Body, Composite, Pou
-from ladder_ros.model.types import DataType, Value, format_literal
+from ladder_ros.model.types import DataType, format_literal, Value
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,7 +40,7 @@ class Literal:
         return f'{self.type}#{text}'
 
 
-Operand = Union[Ref, Literal]
+Operand = Ref | Literal
 """What an instruction or a pin refers to."""
 
 

@@ -7,8 +7,8 @@ A tree maps the power that enters it to the power that leaves it, and acts on th
 - ``Leaf``   a component;
 - ``And``    first the left, then the right with the power that left it (series);
 - ``Or``     both get the same power, either may give it (parallel);
-- ``Fork``   a shared prefix's branches: all get the same power, at most one goes on (several outputs
-  from one root);
+- ``Fork``   a shared prefix's branches: all get the same power, at most one goes on (several
+  outputs from one root);
 - ``Load`` and ``Save``  a temporary: only what is not series-parallel needs one;
 - ``Wire``   power passes unchanged.
 
@@ -19,11 +19,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Union
 
-from ladder_ros.compiler.aov import SymbolVertex
+from ladder_ros.compiler.aov import describe_symbol, SymbolVertex
 from ladder_ros.compiler.symbols import Ref
-from ladder_ros.compiler.wiring import describe
 from ladder_ros.model.types import DataType
 
 
@@ -93,7 +91,7 @@ class Save:
     joins: bool = False
 
 
-Tree = Union[Leaf, Pin, Wire, And, Or, Fork, Load, Save]
+Tree = Leaf | Pin | Wire | And | Or | Fork | Load | Save
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -153,12 +151,12 @@ def print_tree(tree: Tree) -> Iterator[str]:
     while pending:
         node, indent, chain = pending.pop()
         if isinstance(node, (And, Or)) and chain is type(node):
-            pending.append((node.right, indent, None))
+            pending.append((node.right, indent, chain))
             pending.append((node.left, indent, chain))
             continue
         if isinstance(node, (And, Or)):
             yield indent + ('AND' if isinstance(node, And) else 'OR')
-            pending.append((node.right, indent + '  ', None))
+            pending.append((node.right, indent + '  ', type(node)))
             pending.append((node.left, indent + '  ', type(node)))
         elif isinstance(node, Fork):
             on = '' if node.goes_on is None else f', power goes on from branch {node.goes_on + 1}'
@@ -171,7 +169,7 @@ def print_tree(tree: Tree) -> Iterator[str]:
 def _print_leaf(node: Leaf | Pin | Wire | Load | Save) -> str:
     if isinstance(node, Leaf):
         pins = ''.join(f' {pin}=T{temporary}' for pin, temporary in node.power_pins)
-        return f'{node.symbol.path}: {describe(node.symbol.component)}{pins}'
+        return f'{node.symbol.path}: {describe_symbol(node.symbol)}{pins}'
     if isinstance(node, Pin):
         return f'{node.symbol.path}.{node.pin}'
     if isinstance(node, Wire):

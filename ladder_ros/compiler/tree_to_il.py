@@ -14,7 +14,20 @@ from dataclasses import dataclass, field
 from ladder_ros.compiler.il import Call, Instruction, Network, Op, temporary
 from ladder_ros.compiler.symbols import Literal, Operand
 from ladder_ros.compiler.tree import (
-    And, Forest, Fork, Leaf, Load, Or, Pin, Save, Tree, Wire, children, pin_operand, post_order)
+    And,
+    children,
+    Forest,
+    Fork,
+    Leaf,
+    Load,
+    Or,
+    Pin,
+    pin_operand,
+    post_order,
+    Save,
+    Tree,
+    Wire,
+)
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import Block, Coil, CoilKind, Contact, ContactKind, Instance
 from ladder_ros.model.types import DataType

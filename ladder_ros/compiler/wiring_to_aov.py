@@ -12,18 +12,24 @@ from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 import heapq
-from typing import Union
 
 from ladder_ros.compiler.aov import Aov, Arc, SymbolVertex, VirtualVertex
-from ladder_ros.compiler.symbols import Resolved, data_slot, edge_memory
+from ladder_ros.compiler.symbols import data_slot, edge_memory, Resolved
 from ladder_ros.compiler.wiring import Part, Rail, Wiring
 from ladder_ros.diagnostics import Diagnostic, problem
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import (
-    Block, Coil, CoilKind, Component, Contact, ContactKind, Instance)
+    Block,
+    Coil,
+    CoilKind,
+    Component,
+    Contact,
+    ContactKind,
+    Instance,
+)
 from ladder_ros.model.types import DataType
 
-_Node = Union[str, int]
+_Node = str | int
 """A part by its casefolded id, or a net by its number."""
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import Union
 
 from ladder_ros.model.types import DataType, Value
 
@@ -29,7 +28,7 @@ class Generic(Enum):
         return True
 
 
-PinType = Union[DataType, Generic]
+PinType = DataType | Generic
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

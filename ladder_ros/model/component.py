@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
-from typing import Union
 
 from ladder_ros.diagnostics import Location
 
@@ -183,7 +182,7 @@ class Instance:
     location: Location = Location()
 
 
-Component = Union[Contact, Coil, Row, Column, Block, Instance]
+Component = Contact | Coil | Row | Column | Block | Instance
 
 
 class InterfaceKind(Enum):

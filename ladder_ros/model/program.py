@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Union
 
 from ladder_ros.diagnostics import Location
 from ladder_ros.model.component import Component
@@ -138,5 +137,5 @@ class Program:
     location: Location = Location()
 
 
-Pou = Union[Body, Composite]
+Pou = Body | Composite
 """A program organisation unit: a program body or a composite's definition."""

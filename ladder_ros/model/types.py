@@ -12,9 +12,8 @@ from enum import Enum
 import math
 import re
 import struct
-from typing import Union
 
-Value = Union[bool, int, float, str]
+Value = bool | int | float | str
 
 NS_PER_MS = 1_000_000
 NS_PER_S = 1_000_000_000
@@ -111,7 +110,7 @@ def normalise(value: Value, type_: DataType) -> Value:
     elif type_ is DataType.STRING:
         if isinstance(value, str):
             return value[:STRING_LIMIT]
-    elif isinstance(value, bool) or isinstance(value, str):
+    elif isinstance(value, (bool, str)):
         pass
     elif type_.is_real:
         return round_real(value) if type_ is DataType.REAL else float(value)

@@ -1,0 +1,132 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The grammar of program files: which attributes and children each element has.
+
+The schema says the same in XML Schema's words; a test keeps the two together.  What an attribute's
+value means is `xml_to_model`'s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+import re
+
+VERSION = '1'
+"""The format version that this release reads and writes."""
+
+SCHEMA_INSTANCE = 'http://www.w3.org/2001/XMLSchema-instance'
+
+MAX_COMPONENTS = 200_000
+MAX_CELLS = 4_000_000
+"""Cells that all components of a program cover together."""
+MAX_RUNGS = 20_000
+MAX_VARIABLES = 50_000
+"""Variables and parameters of a program and its composites together."""
+MAX_POUS = 5_000
+"""Composites and bodies together."""
+MAX_TASKS = 100
+MAX_NUMBER = 100_000
+MAX_NAME = 128
+MAX_OPERAND = 300
+MAX_ATTRIBUTE = 4096
+
+NAME = re.compile(r'(?:_[A-Za-z0-9]|[A-Za-z])[A-Za-z0-9]*(?:_[A-Za-z0-9]+)*')
+"""Letters, digits and single underscores; no digit first, no underscore last."""
+IDENTIFIER = re.compile(r'[A-Za-z0-9_\-]+')
+"""What may be an id of a rung or a component."""
+NUMBER = re.compile(r'[0-9]{1,5}|100000')
+SIZE = re.compile(r'[1-9][0-9]{0,4}|100000')
+ADDRESS = re.compile(r'%[IQMiqm][XBWDLxbwdl]?[0-9]+(?:\.[0-9]+)*')
+"""Directly represented variable (IEC 61131-3, 6.5.5)."""
+
+COMPONENTS = ('contact', 'coil', 'row', 'column', 'block', 'instance')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Group:
+    """Neighbouring children: elements of these names, at most one of them or any number."""
+
+    names: tuple[str, ...]
+    many: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rule:
+    """One element.  Its children come in the order of the groups."""
+
+    required: tuple[str, ...] = ()
+    optional: tuple[str, ...] = ()
+    children: tuple[Group, ...] = ()
+    allowed: frozenset[str] = field(init=False)
+    needed: frozenset[str] = field(init=False)
+    child_group: Mapping[str, int] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Index the rule for the reader."""
+        object.__setattr__(self, 'allowed', frozenset(self.required + self.optional))
+        object.__setattr__(self, 'needed', frozenset(self.required))
+        object.__setattr__(self, 'child_group', {
+            name: index for index, group in enumerate(self.children) for name in group.names})
+
+
+def _one(name: str) -> Group:
+    return Group(names=(name,), many=False)
+
+
+def _many(*names: str) -> Group:
+    return Group(names=names)
+
+
+_SPECIFICATION = _one('specification')
+_SIDES = ('up', 'down')
+_TEXTS = ('name', 'comment')
+_ROOT_EXTRAS = ('xmlns:xsi', 'xsi:noNamespaceSchemaLocation')
+
+RULES: Mapping[str, Rule] = {
+    'ladder': Rule(
+        required=('version', 'name'), optional=_ROOT_EXTRAS,
+        children=(_SPECIFICATION, _one('composites'), _one('variables'), _one('tasks'),
+                  _many('body'))),
+    'specification': Rule(),
+    'composites': Rule(children=(_many('composite'),)),
+    'composite': Rule(
+        required=('name', 'call'), optional=('category',),
+        children=(_SPECIFICATION, _many('parameter'), _many('variable'), _many('rung'))),
+    'parameter': Rule(
+        required=('name', 'type', 'direction'), optional=('default', 'comment')),
+    'composite/variable': Rule(
+        required=('name', 'type'), optional=('initial', 'retain', 'comment')),
+    'variables': Rule(children=(_many('variable'),)),
+    'variables/variable': Rule(
+        required=('name', 'type'), optional=('class', 'initial', 'retain', 'at', 'comment')),
+    'tasks': Rule(children=(_many('task'),)),
+    'task': Rule(required=('name', 'interval'), optional=('priority',)),
+    'body': Rule(
+        required=('name',), optional=('run', 'task', 'comment'), children=(_many('rung'),)),
+    'rung': Rule(
+        required=('id', 'width'), optional=('comment',), children=(_many(*COMPONENTS),)),
+    'contact': Rule(
+        required=('id', 'x', 'y', 'operand'),
+        optional=('width', 'height', 'kind', *_SIDES, *_TEXTS), children=(_SPECIFICATION,)),
+    'coil': Rule(
+        required=('id', 'x', 'y', 'operand'),
+        optional=('width', 'height', 'kind', *_SIDES, *_TEXTS), children=(_SPECIFICATION,)),
+    'row': Rule(
+        required=('id', 'x', 'y'), optional=('width', 'height', *_SIDES, *_TEXTS),
+        children=(_SPECIFICATION,)),
+    'column': Rule(
+        required=('id', 'x', 'y'), optional=('height', *_TEXTS), children=(_SPECIFICATION,)),
+    'block': Rule(
+        required=('id', 'x', 'y', 'type'),
+        optional=('width', 'height', 'instance', *_SIDES, *_TEXTS),
+        children=(_SPECIFICATION, _many('input', 'output'))),
+    'input': Rule(required=('pin',), optional=('operand', 'source', 'row')),
+    'output': Rule(required=('pin',), optional=('operand', 'row')),
+    'instance': Rule(
+        required=('id', 'x', 'y', 'composite', 'instance'),
+        optional=('width', 'height', *_SIDES, *_TEXTS),
+        children=(_SPECIFICATION, _many('argument'))),
+    'argument': Rule(required=('parameter',), optional=('operand', 'source')),
+}
+"""Every element by its name; where that is not enough, by ``parent/name``."""
