@@ -110,7 +110,7 @@ def lay_out(program: Program, symbols: Symbols, code: InstructionList) -> tuple[
     layout = _Layout()
     layout.add(ARITHMETIC_ERRORS, DataType.LINT, SlotClass.SYSTEM, 0)
     for variable in program.variables:
-        layout.add_variable('', variable, _CLASS[variable.variable_class])
+        layout.add_variable('', variable, _io_class(variable))
     if program.bodies:
         scope = symbols.scopes[pou_key(program.bodies[0])]
         for prefix, composite in _instances(scope, symbols):
@@ -120,6 +120,14 @@ def lay_out(program: Program, symbols: Symbols, code: InstructionList) -> tuple[
         for instruction in routine.instructions():
             layout.add_instruction(instruction)
     return tuple(layout.slots.values())
+
+
+def _io_class(variable: Variable) -> SlotClass:
+    """Return the slot class; a located variable is I/O whatever its class says (DESIGN 5)."""
+    located = {'%I': SlotClass.INPUT, '%Q': SlotClass.OUTPUT}.get(variable.address[:2].upper())
+    if variable.variable_class is VariableClass.LOCAL and located is not None:
+        return located
+    return _CLASS[variable.variable_class]
 
 
 def _instances(scope: Scope, symbols: Symbols) -> Iterator[tuple[str, Composite]]:
