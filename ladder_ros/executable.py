@@ -101,6 +101,18 @@ class Entry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RoutineEntry:
+    """A piece of code that is executed as a whole: a body, or an enabled composite's instance.
+
+    ``active`` is the slot that is TRUE after a scan which executed the routine; None for a body.
+    """
+
+    name: str
+    instructions: int
+    active: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Executable:
     """A compiled program.  ``build`` makes the scan functions of a variant, by entry name."""
 
@@ -113,8 +125,19 @@ class Executable:
     build: Callable[[Variant], Mapping[str, Scan]]
     by_path: Mapping[str, Slot] = field(default_factory=dict)
     """Slots by casefolded path."""
-    instructions: int = 0
-    """Number of IL instructions."""
+    routines: tuple[RoutineEntry, ...] = ()
+
+    @property
+    def instructions(self) -> int:
+        """Number of IL instructions."""
+        return sum(routine.instructions for routine in self.routines)
+
+    def executed_instructions(self, state: State) -> int:
+        """Return how many IL instructions the last scan executed, cyclic bodies all counted."""
+        once = {entry.name for entry in self.entries if entry.once}
+        return sum(
+            routine.instructions for routine in self.routines
+            if (routine.name not in once if routine.active is None else state[routine.active]))
 
     def initial_state(self) -> State:
         """Return a fresh state."""
