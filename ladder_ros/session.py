@@ -378,7 +378,7 @@ class Session:
         ``catch_pulse`` a value that lasts for less than a scan is still seen by one.
         """
         executable = self.executable
-        slot = find_slot(executable, name)
+        slot = find_slot(executable, name, to_write=True)
         self._controller.write(
             slot.index, _value(value, slot), catch_pulse=catch_pulse, of=executable)
 
@@ -406,7 +406,7 @@ class Session:
     def force(self, name: str, value: object) -> None:
         """Hold a variable at a value (see :meth:`write`) until it is released."""
         with self._changes:
-            slot = find_slot(self.executable, name)
+            slot = find_slot(self.executable, name, to_write=True)
             self._controller.force(slot.index, _value(value, slot))
 
     def unforce(self, name: str) -> None:

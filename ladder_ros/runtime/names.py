@@ -1,0 +1,37 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The user's names for slots."""
+
+from __future__ import annotations
+
+import difflib
+
+from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.executable import ARITHMETIC_ERRORS, Executable, Slot
+from ladder_ros.runtime.online_change import is_hidden
+
+_MOST_COMPARED = 5000
+
+
+def find_slot(
+    executable: Executable, name: str, location: Location = Location(), *, to_write: bool = False,
+) -> Slot:
+    """Return the slot of a variable by its dotted path (case does not count).
+
+    The count of arithmetic errors has a name too, but not to write it.  Raises LadderError L0502,
+    with the nearest name, if there is no such variable.
+    """
+    slot = executable.slot(name.strip())
+    if slot is not None:
+        if not is_hidden(slot.path) or (slot.path == ARITHMETIC_ERRORS and not to_write):
+            return slot
+    known = [slot.path for slot in named_slots(executable)[:_MOST_COMPARED]]
+    spelling = {path.casefold(): path for path in known}
+    near = difflib.get_close_matches(name.strip().casefold()[:100], spelling, n=1)
+    hint = f'; did you mean {spelling[near[0]]}?' if near else ''
+    raise LadderError.of('L0502', location, name=name, hint=hint)
+
+
+def named_slots(executable: Executable) -> tuple[Slot, ...]:
+    """Return the slots that a user can name, in slot order."""
+    return tuple(slot for slot in executable.slots if not is_hidden(slot.path))
