@@ -1,0 +1,271 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The command ``ladder`` in a process of its own: exit status, streams, one JSON document."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+import csv
+import io
+import json
+import os
+from pathlib import Path
+import subprocess
+import sys
+
+from cli.texts import BROKEN, DANGLING, SEAL_IN, TWO_COILS
+import pytest
+
+import ladder_ros
+from ladder_ros import session
+from ladder_ros.cli import main as command
+from ladder_ros.cli.verb import Answer
+from ladder_ros.diagnostics import InternalError
+
+INPUTS = 'start,stop\n1,\n0,\n,\n,1\n'
+Run = subprocess.CompletedProcess[str]
+Golden = Callable[[str, str], None]
+
+
+def ladder(*args: str, cwd: Path | None = None, encoding: str = 'utf-8') -> Run:
+    """Run the command; neither stream may ever hold a traceback."""
+    run = subprocess.run(
+        [sys.executable, '-m', 'ladder_ros.cli', *args], cwd=cwd, capture_output=True,
+        timeout=60, encoding=encoding, stdin=subprocess.DEVNULL,
+        env={**os.environ, 'PYTHONIOENCODING': encoding, 'COLUMNS': '90',
+             'PYTHONPATH': str(Path(ladder_ros.__file__).parents[1])})
+    assert 'Traceback' not in run.stderr + run.stdout
+    return run
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name, text in (('seal_in', SEAL_IN), ('two_coils', TWO_COILS), ('dangling', DANGLING),
+                       ('broken', BROKEN)):
+        (tmp_path / f'{name}.xml').write_text(text, encoding='utf-8')
+    (tmp_path / 'in.csv').write_text(INPUTS)
+    return tmp_path
+
+
+VERBS: dict[str, Sequence[str]] = {
+    'check': (), 'show': (), 'dump': ('--stage', 'il'), 'export': ('--to', 'xml'),
+    'simulate': ('--inputs', 'in.csv'),
+}
+
+
+@pytest.mark.parametrize('verb', VERBS)
+def test_verb_when_the_program_is_fine_then_the_status_is_0(folder: Path, verb: str) -> None:
+    run = ladder(verb, 'seal_in.xml', *VERBS[verb], cwd=folder)
+    assert (run.returncode, run.stderr) == (0, '')
+    assert run.stdout.endswith('\n')
+
+
+@pytest.mark.parametrize('name', ['broken.xml', 'missing.xml', '.'])
+@pytest.mark.parametrize('verb', VERBS)
+def test_verb_when_the_program_cannot_be_read_then_the_status_is_1(
+    folder: Path, verb: str, name: str
+) -> None:
+    run = ladder(verb, name, *VERBS[verb], cwd=folder)
+    assert run.returncode == 1
+    assert 'error L01' in run.stderr + run.stdout
+    assert run.stderr.startswith(name) or verb == 'check'
+
+
+@pytest.mark.parametrize(('name', 'status'), [
+    ('seal_in.xml', 0), ('broken.xml', 1), ('missing.xml', 1)])
+@pytest.mark.parametrize('verb', VERBS)
+def test_verb_when_json_is_asked_for_then_there_is_one_document(
+    folder: Path, verb: str, name: str, status: int
+) -> None:
+    run = ladder(verb, name, *VERBS[verb], '--json', cwd=folder)
+    document = json.loads(run.stdout)
+    assert run.returncode == status
+    assert document['ok'] is (status == 0)
+    assert [d['severity'] for d in document['diagnostics']].count('error') == status
+    assert run.stderr == ''
+
+
+@pytest.mark.parametrize('args', [
+    (), ('chek', 'x.xml'), ('check',), ('dump', 'seal_in.xml', '--stage', 'nonsense'),
+    ('simulate', 'seal_in.xml', '--scans', 'many'), ('check', 'seal_in.xml', '--nonsense')])
+def test_command_when_used_wrongly_then_the_status_is_2(
+    folder: Path, args: tuple[str, ...]
+) -> None:
+    plain, document = ladder(*args, cwd=folder), ladder(*args, '--json', cwd=folder)
+    assert (plain.returncode, document.returncode) == (2, 2)
+    assert plain.stdout == '' and 'usage: ladder' in plain.stderr
+    assert json.loads(document.stdout)['error']['kind'] == 'usage'
+
+
+def test_verb_when_misspelt_then_the_right_one_is_offered() -> None:
+    assert 'did you mean simulate?' in ladder('simulat', 'x.xml').stderr
+
+
+def test_version_when_asked_for_then_it_is_printed() -> None:
+    run = ladder('--version')
+    assert (run.returncode, run.stdout) == (0, f'{ladder_ros.__version__}\n')
+
+
+@pytest.mark.parametrize('args', [('--help',), *((verb, '--help') for verb in VERBS)])
+def test_help_when_asked_for_then_it_has_examples(args: tuple[str, ...]) -> None:
+    run = ladder(*args)
+    assert (run.returncode, run.stderr) == (0, '')
+    assert 'examples:\n  ladder ' in run.stdout
+
+
+def test_json_when_before_the_verb_then_it_holds_too(folder: Path) -> None:
+    assert json.loads(ladder('--json', 'check', 'seal_in.xml', cwd=folder).stdout)['ok'] is True
+
+
+def test_check_when_there_are_warnings_then_only_strict_minds_them(folder: Path) -> None:
+    run = ladder('check', 'two_coils.xml', cwd=folder)
+    strict = ladder('check', 'two_coils.xml', '--strict', cwd=folder)
+    assert (run.returncode, strict.returncode) == (0, 1)
+    assert 'warning L0212' in run.stdout
+    assert run.stdout.endswith('two_coils.xml: fine (1 warning)\n')
+    assert strict.stdout.endswith('two_coils.xml: not fine (1 warning)\n')
+
+
+def test_check_when_the_drawing_is_wrong_then_all_of_it_is_reported(folder: Path) -> None:
+    run = ladder('check', 'dangling.xml', cwd=folder)
+    assert run.returncode == 1
+    assert run.stdout.count('error L0303') >= 2
+    assert 'dangling.xml:' in run.stdout and 'rung 1, cell (0, 0)' in run.stdout
+
+
+def test_show_when_the_drawing_is_wrong_then_it_is_drawn_nevertheless(folder: Path) -> None:
+    run = ladder('show', 'dangling.xml', cwd=folder)
+    assert run.returncode == 0
+    assert '×' in run.stdout and 'connected to nothing' in run.stdout
+
+
+def test_show_when_the_terminal_has_no_box_characters_then_ascii_is_used(folder: Path) -> None:
+    run = ladder('show', 'seal_in.xml', cwd=folder, encoding='ascii')
+    assert run.returncode == 0
+    assert '|--|/|--' in run.stdout or '--|/|--' in run.stdout
+
+
+def test_show_when_one_pou_is_asked_for_then_only_that_is_drawn(folder: Path) -> None:
+    run = ladder('show', 'seal_in.xml', '--pou', 'MAIN', '--grid', cwd=folder)
+    assert run.stdout.startswith('body main')
+
+
+@pytest.mark.parametrize('args', [('show',), ('dump', '--stage', 'wiring')])
+def test_pou_when_unknown_then_it_is_a_diagnostic(folder: Path, args: tuple[str, ...]) -> None:
+    run = ladder(*args, 'seal_in.xml', '--pou', 'mian', cwd=folder)
+    assert run.returncode == 1
+    assert 'error L0' in run.stderr and 'mian' in run.stderr
+
+
+def test_dump_when_each_stage_is_asked_for_then_each_prints_something(folder: Path) -> None:
+    texts = {stage: ladder('dump', 'seal_in.xml', '--stage', stage, cwd=folder).stdout
+             for stage in session.STAGES}
+    assert len(set(texts.values())) == len(texts)
+    assert all('motor' in text for text in texts.values())
+
+
+def test_export_when_done_twice_then_nothing_changes(folder: Path) -> None:
+    once = ladder('export', 'seal_in.xml', '--to', 'xml', '-o', 'once.xml', cwd=folder)
+    twice = ladder('export', 'once.xml', '--to', 'xml', cwd=folder)
+    assert (once.returncode, once.stdout, twice.returncode) == (0, '', 0)
+    assert twice.stdout == (folder / 'once.xml').read_text(encoding='utf-8')
+
+
+def test_export_when_the_terminal_is_ascii_then_the_xml_is_still_utf_8(folder: Path) -> None:
+    run = ladder('export', 'seal_in.xml', '--to', 'xml', cwd=folder, encoding='latin-1')
+    assert 'läuft'.encode() in run.stdout.encode('latin-1')
+
+
+def test_simulate_when_given_inputs_then_there_is_a_row_a_scan(folder: Path) -> None:
+    run = ladder('simulate', 'seal_in.xml', '--inputs', 'in.csv', '--interval', '10ms',
+                 '--watch', 'motor,ran,t1.Q', cwd=folder)
+    assert list(csv.reader(io.StringIO(run.stdout))) == [
+        ['motor', 'ran', 't1.Q'], ['1', '0', '0'], ['1', '10', '0'], ['1', '20', '0'],
+        ['0', '0', '0']]
+
+
+def test_simulate_when_more_scans_than_rows_then_the_last_inputs_hold(folder: Path) -> None:
+    (folder / 'in.csv').write_text('start\n1\n')
+    run = ladder('simulate', 'seal_in.xml', '--inputs', 'in.csv', '--scans', '5', '--interval',
+                 '10ms', '--watch', 't1.q', cwd=folder)
+    assert run.stdout.split() == ['t1.Q', '0', '0', '0', '1', '1']
+
+
+@pytest.mark.parametrize('backend', session.BACKENDS)
+def test_simulate_when_written_to_a_file_then_backends_agree(folder: Path, backend: str) -> None:
+    run = ladder('simulate', 'seal_in.xml', '--inputs', 'in.csv', '--backend', backend, '-o',
+                 'out.csv', cwd=folder)
+    plain = ladder('simulate', 'seal_in.xml', '--inputs', 'in.csv', cwd=folder)
+    assert (run.returncode, run.stdout) == (0, '')
+    assert (folder / 'out.csv').read_bytes().decode() == plain.stdout
+
+
+def test_simulate_when_json_is_asked_for_then_rows_are_in_the_document(folder: Path) -> None:
+    run = ladder('simulate', 'seal_in.xml', '--inputs', 'in.csv', '--watch', 'motor,ran',
+                 '--interval', '10ms', '--json', cwd=folder)
+    document = json.loads(run.stdout)
+    assert document['columns'] == ['motor', 'ran']
+    assert document['rows'] == [['1', '0'], ['1', '10'], ['1', '20'], ['0', '0']]
+
+
+@pytest.mark.parametrize(('args', 'code'), [
+    (('--inputs', 'missing.csv'), 'L0501'), (('--watch', 'motr'), 'L0502'),
+    (('--inputs', 'bad.csv'), 'L0503'), (('--interval', '0ms'), 'L0505'),
+    (('--interval', 'soon'), 'L0505'), (('-o', 'no/such/folder.csv'), 'L0507')])
+def test_simulate_when_asked_for_the_impossible_then_a_diagnostic_says_why(
+    folder: Path, args: tuple[str, ...], code: str
+) -> None:
+    (folder / 'bad.csv').write_text('start\nmaybe\n')
+    run = ladder('simulate', 'seal_in.xml', *args, cwd=folder)
+    assert run.returncode == 1
+    assert f'error {code}' in run.stderr
+
+
+def test_output_when_its_reader_has_gone_then_nothing_is_complained_of(folder: Path) -> None:
+    with subprocess.Popen(
+        [sys.executable, '-m', 'ladder_ros.cli', 'simulate', 'seal_in.xml', '--scans', '200000'],
+        cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        env={**os.environ, 'PYTHONPATH': str(Path(ladder_ros.__file__).parents[1])},
+    ) as child:
+        assert child.stdout is not None and child.stderr is not None
+        child.stdout.readline()
+        child.stdout.close()
+        assert (child.stderr.read(), child.wait(60)) == (b'', 141)
+
+
+@pytest.mark.skipif(not os.path.exists('/dev/full'), reason='no /dev/full here')
+def test_output_when_the_disk_is_full_then_it_is_a_diagnostic(folder: Path) -> None:
+    with open('/dev/full', 'w') as full:
+        run = subprocess.run(
+            [sys.executable, '-m', 'ladder_ros.cli', 'show', 'seal_in.xml'], cwd=folder,
+            stdout=full, stderr=subprocess.PIPE, timeout=60, text=True,
+            env={**os.environ, 'PYTHONPATH': str(Path(ladder_ros.__file__).parents[1])})
+    assert run.returncode == 1
+    assert 'error L0507' in run.stderr and 'Exception' not in run.stderr
+
+
+@pytest.mark.parametrize(('raised', 'status', 'said'), [
+    (InternalError('aov', 'a wire leads back'), 70, 'internal error in stage aov'),
+    (ValueError('what\never'), 70, 'ValueError: what ever; this is a fault of ladder_ros'),
+    (RecursionError(), 70, 'RecursionError; this is a fault of ladder_ros'),
+    (KeyboardInterrupt(), 130, 'interrupted'),
+    (BrokenPipeError(), 141, ''),
+])
+@pytest.mark.parametrize('as_json', [False, True])
+def test_command_when_a_verb_fails_then_the_status_tells_how(
+    raised: BaseException, status: int, said: str, as_json: bool,
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def fail(path: str) -> Answer:
+        raise raised
+
+    monkeypatch.setattr(session, 'check', fail)
+    monkeypatch.setattr(command.terminal, 'abandon_output', lambda: None)
+    assert command.main(['check', 'x.xml', *(['--json'] if as_json else [])]) == status
+    printed = capsys.readouterr()
+    if as_json and status != 141:
+        document = json.loads(printed.out)
+        assert document['ok'] is False and said in document['error']['message']
+        assert printed.err == ''
+    else:
+        assert printed.out == '' and said in printed.err
