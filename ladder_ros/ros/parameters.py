@@ -1,0 +1,265 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The parameters of ``plc_node``: what there is, and what the user set, checked.
+
+Everything is read from the overrides (YAML, ``-p``) before anything is declared, so that a wrong
+type or a misspelt name is a sentence and not a traceback of the client library.  Pure functions
+over plain values; ``declare`` alone touches the node.
+
+The I/O map is nested as ros2_control users know it: ``io.<variable>.<key>``, one YAML file a cell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+import difflib
+import math
+from typing import Any
+
+from ladder_ros.diagnostics import Diagnostic, Location, problem
+from ladder_ros.model.types import NS_PER_S
+
+Raw = bool | int | float | str
+"""A scalar as it stands in a parameter file."""
+
+IO_PREFIX = 'io'
+QOS_NAMES = ('default', 'sensor_data', 'latched')
+PUBLISH_NAMES = ('change', 'scan')
+
+# Names that every node has, or that belong to the middleware; no warning for these.
+FOREIGN = ('use_sim_time', 'start_type_description_service', 'qos_overrides', 'diagnostic_updater')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rule:
+    """What one parameter may be: its Python type, default, range or choices, and description."""
+
+    name: str
+    kind: type
+    default: Any
+    description: str
+    low: float | None = None
+    high: float | None = None
+    choices: tuple[str, ...] = ()
+    read_only: bool = True
+
+
+RULES: tuple[Rule, ...] = (
+    Rule(name='program', kind=str, default='', read_only=False, description=(
+        'The ladder program that runs: a path, file://... or package://<package>/<path>. Setting '
+        'it compiles the file and swaps it in between two scans, state kept; a program that does '
+        'not compile is refused with the reason and the running one goes on.')),
+    Rule(name='program_folders', kind=list, default=[], description=(
+        'The folders that programs may be loaded from while the node runs. Default: the folder of '
+        'the first program and the installed example programs.')),
+    Rule(name='scan_period', kind=float, default=0.0, low=0.0, high=60.0, description=(
+        'Seconds between scans; 0: as the program says, or 0.01 where it says nothing.')),
+    Rule(name='backend', kind=str, default='python', description=(
+        'What executes the compiled program: python or interpreter.')),
+    Rule(name='autostart', kind=bool, default=True, description=(
+        'Whether scanning starts with the node; otherwise call ~/start.')),
+    Rule(name='forces', kind=list, default=[], read_only=False, description=(
+        'Variables held at a value whatever the program does: a list of name=value.')),
+    Rule(name='status_period', kind=float, default=1.0, low=0.1, high=3600.0, description=(
+        'Seconds between messages on ~/state while nothing changes.')),
+)
+"""The parameters but for the I/O map, in the order they are shown."""
+
+IO_RULES: tuple[Rule, ...] = (
+    Rule(name='topic', kind=str, default='', description=(
+        'The topic of the variable; relative, ~/private or /absolute. Default: ~/<variable>.')),
+    Rule(name='type', kind=str, default='', description=(
+        'The message type, for example std_msgs/msg/Bool. Default: the one of the data type.')),
+    Rule(name='qos', kind=str, default='default', choices=QOS_NAMES, description=(
+        'default: reliable, depth 1, outputs latched (transient local); sensor_data: best effort; '
+        'latched: an input also gets the last message sent before it started.')),
+    Rule(name='publish', kind=str, default='change', choices=PUBLISH_NAMES, description=(
+        'Outputs: publish when the value changes, or after every scan.')),
+    Rule(name='timeout', kind=float, default=0.0, low=0.0, high=86400.0, description=(
+        'Inputs: seconds without a message after which the input is stale; 0: never.')),
+    Rule(name='fallback', kind=object, default=None, description=(
+        'Inputs: the value while the input is stale. Default: the last value received.')),
+    Rule(name='stale', kind=str, default='', description=(
+        'Inputs: a BOOL variable of the program that is TRUE while this input is stale.')),
+    Rule(name='safe', kind=object, default=None, description=(
+        'Outputs: the value published on stop, fault and shutdown. Default: the last one stays.')),
+    Rule(name='catch_pulse', kind=bool, default=False, description=(
+        'BOOL inputs: a pulse shorter than a scan is seen for one scan.')),
+)
+"""The keys of an entry of the I/O map, ``io.<variable>.<key>``."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class IoEntry:
+    """What the user says of one variable; fields as in ``IO_RULES``, ``timeout`` in ns.
+
+    ``given`` are the keys the user wrote; ``fallback`` and ``safe`` are raw until the variable's
+    type is known.
+    """
+
+    variable: str
+    given: frozenset[str]
+    topic: str = ''
+    type: str = ''
+    qos: str = 'default'
+    publish: str = 'change'
+    timeout: int = 0
+    fallback: Raw | None = None
+    stale: str = ''
+    safe: Raw | None = None
+    catch_pulse: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Declaration:
+    """A parameter to be declared: its checked value and the rule behind it."""
+
+    name: str
+    value: Any
+    rule: Rule
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """All that the user set, checked; ``scan_period`` in ns or None, ``status_period`` in s.
+
+    ``io`` holds the entries of the I/O map by the variable's casefolded name.
+    """
+
+    program: str
+    program_folders: tuple[str, ...]
+    scan_period: int | None
+    backend: str
+    autostart: bool
+    status_period: float
+    forces: tuple[str, ...]
+    io: Mapping[str, IoEntry]
+    declarations: tuple[Declaration, ...]
+
+
+def parameter_place(name: str) -> Location:
+    """Return the place of a mistake in a parameter."""
+    return Location(file=f'parameter {name}')
+
+
+def read_settings(overrides: Mapping[str, Any]) -> tuple[Settings, tuple[Diagnostic, ...]]:
+    """Check the overrides of the node and return the settings with every mistake found.
+
+    The settings may only be used if none of the diagnostics is an error.
+    """
+    found: list[Diagnostic] = []
+    values: dict[str, Any] = {}
+    declarations = []
+    for rule in RULES:
+        value = _checked(rule.name, overrides[rule.name], rule, found) \
+            if rule.name in overrides else rule.default
+        values[rule.name] = value
+        declarations.append(Declaration(name=rule.name, value=value, rule=rule))
+    entries, io_declarations = _read_io(overrides, found)
+    found += _unknown(overrides)
+    settings = Settings(
+        program=values['program'], program_folders=tuple(values['program_folders']),
+        scan_period=round(values['scan_period'] * NS_PER_S) or None, backend=values['backend'],
+        autostart=values['autostart'], status_period=values['status_period'],
+        forces=tuple(values['forces']), io=entries, declarations=(*declarations, *io_declarations),
+    )
+    return settings, tuple(found)
+
+
+def _read_io(
+    overrides: Mapping[str, Any], found: list[Diagnostic],
+) -> tuple[dict[str, IoEntry], list[Declaration]]:
+    rules = {rule.name: rule for rule in IO_RULES}
+    spelled: dict[str, str] = {}
+    fields: dict[str, dict[str, Any]] = {}
+    declarations = []
+    for name in sorted(overrides):
+        head, _, rest = name.partition('.')
+        if head != IO_PREFIX:
+            continue
+        variable, _, key = rest.rpartition('.')
+        if not variable or key not in rules:
+            found.append(problem(
+                'L0607', parameter_place(name), name=name, known=', '.join(rules),
+                hint=did_you_mean(key if variable else '', rules)))
+            continue
+        value = _checked(name, overrides[name], rules[key], found)
+        spelled.setdefault(variable.casefold(), variable)
+        fields.setdefault(variable.casefold(), {})[key] = value
+        declarations.append(Declaration(name=name, value=value, rule=rules[key]))
+    entries = {
+        folded: IoEntry(
+            variable=spelled[folded], given=frozenset(given),
+            **{**given, 'timeout': round(given.get('timeout', 0.0) * NS_PER_S)})
+        for folded, given in fields.items()
+    }
+    return entries, declarations
+
+
+def _checked(name: str, value: Any, rule: Rule, found: list[Diagnostic]) -> Any:
+    """Return the value in the rule's type; for a misfit add a diagnostic, return the default."""
+    expected = _expectation(rule)
+    if rule.kind is float and type(value) is int:
+        value = float(value)  # `timeout: 1` in YAML is an integer; nobody means that
+    if rule.kind is list:
+        fits = isinstance(value, Sequence) and not isinstance(value, str) and all(
+            isinstance(item, str) for item in value)
+        value = [item for item in value if item] if fits else value
+    elif rule.kind is object:
+        fits = type(value) in (bool, int, float, str)
+    else:
+        fits = type(value) is rule.kind
+    if fits and rule.kind is float:
+        fits = math.isfinite(value) and (rule.low or 0.0) <= value <= (rule.high or math.inf)
+    if fits and rule.choices:
+        fits = value in rule.choices
+    if fits:
+        return value
+    found.append(problem(
+        'L0604', parameter_place(name), label=f'{value!r} ({type(value).__name__})',
+        name=name, expected=expected))
+    return rule.default
+
+
+def _expectation(rule: Rule) -> str:
+    if rule.choices:
+        return f'write one of {", ".join(rule.choices)}'
+    if rule.kind is float:
+        return f'write a number from {rule.low:g} to {rule.high:g}, for example 0.5'
+    texts: dict[type, str] = {
+        str: 'write a text; one that looks like a number needs quotation marks',
+        bool: 'write true or false',
+        list: 'write a list of texts, for example ["/opt/cell/programs"]',
+    }
+    return texts.get(rule.kind, 'write one value: true, 5, 2.5 or a text')
+
+
+def _unknown(overrides: Mapping[str, Any]) -> list[Diagnostic]:
+    """Warn of names that nothing reads: the client library ignores them in silence."""
+    known = [rule.name for rule in RULES]
+    return [
+        problem('L0606', parameter_place(name), name=name, hint=did_you_mean(name, known))
+        for name in sorted(overrides)
+        if name not in known and name.partition('.')[0] not in (IO_PREFIX, *FOREIGN)
+    ]
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return ``; did you mean X?`` or nothing."""
+    close = difflib.get_close_matches(name, list(known), n=1)
+    return f'; did you mean {close[0]}?' if close else ''
+
+
+def declare(
+    node: Any, declarations: Iterable[Declaration],
+    describe: Callable[[Declaration], Any],
+) -> None:
+    """Declare the parameters on the node with the checked values.
+
+    ``describe`` makes the client library's descriptor; overrides are not looked at again, because
+    their types may differ (``1`` for ``1.0``).
+    """
+    for declaration in declarations:
+        node.declare_parameter(
+            declaration.name, declaration.value, describe(declaration), ignore_override=True)

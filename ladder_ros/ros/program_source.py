@@ -1,0 +1,161 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Which file a program's name means, and whether it may be loaded.
+
+Whoever starts the node may name any file.  Whoever may set its parameters can only name programs
+in the program folders: a path anywhere else would let a stranger on the network read files.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
+
+from ladder_ros.diagnostics import LadderError
+from ladder_ros.resources import resource_dir
+from ladder_ros.ros.parameters import parameter_place
+
+PACKAGE = 'ladder_ros'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProgramFolders:
+    """The folders that programs may be loaded from while the node runs (absolute, resolved)."""
+
+    folders: tuple[Path, ...]
+
+    @classmethod
+    def of(cls, given: Iterable[str], first_program: Path | None) -> ProgramFolders:
+        """Make them from the parameter; empty: beside the first program, and the installed ones.
+
+        Raises LadderError (L0605) if a folder that was given does not exist.
+        """
+        folders = []
+        for name in given:
+            folder = _absolute(name)
+            if not folder.is_dir():
+                raise refusal(name, 'program_folders names it, but it is no folder',
+                              parameter='program_folders')
+            folders.append(folder)
+        if not folders:
+            folders = [] if first_program is None else [first_program.parent]
+            folders += _installed()
+        return cls(folders=tuple(dict.fromkeys(folder.resolve() for folder in folders)))
+
+    def holds(self, path: Path) -> bool:
+        """Say whether the file, links followed, lies in one of the folders."""
+        try:
+            real = path.resolve()
+        except (OSError, RuntimeError, ValueError):  # a loop of links, a NUL
+            return False
+        return any(folder in real.parents for folder in self.folders)
+
+    def __str__(self) -> str:
+        return ', '.join(str(folder) for folder in self.folders) or 'none'
+
+
+def first_program(name: str) -> Path:
+    """Return the file that the name given at start means.
+
+    A path (relative to the working directory), a URL, or the name of an installed example.
+    Raises LadderError (L0605).
+    """
+    path = _from_url(name)
+    if path is None:
+        path = _absolute(name)
+        if not path.exists():
+            path = next(_candidates(name, _installed()), path)
+    return _existing(name, path)
+
+
+def next_program(name: str, folders: ProgramFolders, current: Path | None) -> Path:
+    """Return the file that a name given to the running node means.
+
+    A relative name is looked for beside the running program, then in the program folders.
+    Raises LadderError (L0605) if it is not there or lies outside of the program folders.
+    """
+    path = _from_url(name)
+    if path is None:
+        path = Path(name)
+        if not path.is_absolute():
+            beside = [] if current is None else [current.parent]
+            places = [*beside, *folders.folders]
+            path = next(_candidates(name, places), (places or [Path.cwd()])[0] / name)
+    if not folders.holds(path):
+        raise refusal(name, f'it lies outside of the program folders: {folders}')
+    return _existing(name, path)
+
+
+def refusal(name: str, reason: str, *, parameter: str = 'program') -> LadderError:
+    """Return the error for a program that may not be loaded."""
+    return LadderError.of('L0605', parameter_place(parameter), name=name or "''", reason=reason)
+
+
+def _from_url(name: str) -> Path | None:
+    """Return the path that a file or package URL means; None for a plain path."""
+    if '://' not in name:
+        return None
+    try:
+        url = urlsplit(name)
+        host, path = unquote(url.netloc), unquote(url.path)
+    except ValueError as error:
+        raise refusal(name, f'the address cannot be read: {error}') from None
+    if url.scheme == 'file' and host in ('', 'localhost'):
+        return Path(path)
+    if url.scheme == 'package':
+        share = _share(name, host)
+        target = share / path.lstrip('/')
+        if '..' in Path(path).parts:
+            raise refusal(name, 'the path leads out of the package')
+        return target
+    raise refusal(name, 'write a path, file:///... or package://<package>/<path>')
+
+
+def _share(name: str, package: str) -> Path:
+    if package == PACKAGE:  # found in a source tree, too, which no index knows
+        return resource_dir('programs').parent
+    try:
+        return Path(get_package_share_directory(package))
+    except (PackageNotFoundError, ValueError, LookupError):
+        raise refusal(
+            name, f'there is no package {package!r} in AMENT_PREFIX_PATH; source its workspace',
+        ) from None
+
+
+def _existing(name: str, path: Path) -> Path:
+    try:
+        if path.is_file():
+            return path
+        what = 'it is a folder' if path.is_dir() else f'there is no file {path}'
+    except (OSError, ValueError) as error:  # too long, a NUL, no permission
+        what = f'the path cannot be used: {error}'
+    raise refusal(name, what)
+
+
+def _absolute(name: str) -> Path:
+    try:
+        return Path(name).expanduser().absolute()
+    except RuntimeError:  # ~nobody
+        return Path(name).absolute()
+
+
+def _candidates(name: str, folders: Iterable[Path]) -> Iterator[Path]:
+    for folder in folders:
+        for path in (folder / name, folder / f'{name}.xml'):
+            try:
+                found = path.is_file()
+            except (OSError, ValueError):
+                continue
+            if found:
+                yield path
+
+
+def _installed() -> list[Path]:
+    try:
+        return [resource_dir('programs')]
+    except FileNotFoundError:
+        return []

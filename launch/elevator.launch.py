@@ -1,0 +1,36 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Start the 3-floor elevator: plc_node and the plant with its passengers.
+
+$ ros2 launch ladder_ros elevator.launch.py
+$ ros2 run ladder_ros elevator_view            # in another terminal: the live picture
+"""
+
+from launch.actions import DeclareLaunchArgument
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.substitutions import FindPackageShare
+
+from launch import LaunchDescription
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Declare the arguments and start both nodes."""
+    namespace = LaunchConfiguration('namespace')
+    return LaunchDescription([
+        DeclareLaunchArgument('namespace', default_value='', description='Namespace of all nodes'),
+        DeclareLaunchArgument(
+            'params_file',
+            default_value=PathJoinSubstitution(
+                [FindPackageShare('ladder_ros'), 'config', 'elevator_3_floor.yaml']),
+            description='YAML file with the parameters of plc_node'),
+        DeclareLaunchArgument('seed', default_value='3', description='Of the random passengers'),
+        Node(
+            package='ladder_ros', executable='plc_node', name='plc_node', namespace=namespace,
+            output='screen', emulate_tty=True, sigterm_timeout='10',
+            parameters=[LaunchConfiguration('params_file')]),
+        Node(
+            package='ladder_ros', executable='elevator_plant', name='elevator_plant',
+            namespace=namespace, output='screen',
+            arguments=['--seed', LaunchConfiguration('seed')]),
+    ])
