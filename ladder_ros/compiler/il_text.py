@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+import json
 import re
 
 from ladder_ros.compiler.il import (
@@ -20,7 +21,7 @@ from ladder_ros.compiler.il import (
 from ladder_ros.compiler.symbols import Literal, Operand, Ref
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.catalogue import CATALOGUE
-from ladder_ros.model.types import DataType, format_literal, parse_literal
+from ladder_ros.model.types import DataType, parse_literal
 
 
 def print_il(program: InstructionList) -> str:
@@ -32,7 +33,7 @@ def _print(program: InstructionList) -> Iterator[str]:
     for routine in program.routines:
         yield f'{"BODY" if routine.is_body else "ROUTINE"} {routine.name}'
         for network in routine.networks:
-            comment = format_literal(network.comment, DataType.STRING) if network.comment else ''
+            comment = json.dumps(network.comment) if network.comment else ''
             yield f'NETWORK {network.rung} {comment}'.rstrip()
             for instruction in network.code:
                 yield f'    {print_instruction(instruction)}'.rstrip()
@@ -78,7 +79,7 @@ def parse_il(text: str, file: str = '') -> InstructionList:
     Raises LadderError (L0402) with the line and what is expected there.
     """
     routines: list[tuple[str, bool, list[tuple[str, str, list[Instruction]]]]] = []
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(text.split('\n'), start=1):
         if not line.strip():
             continue
         location = Location(file=file, line=number)
@@ -106,7 +107,7 @@ def _bad(location: Location, line: str, expected: str) -> LadderError:
 
 def _comment(text: str, location: Location) -> str:
     try:
-        return str(parse_literal(text, DataType.STRING)) if text.strip() else ''
+        return str(json.loads(text)) if text.strip() else ''
     except ValueError as error:
         raise _bad(location, text, str(error)) from error
 
