@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 import gc
 from pathlib import Path
+import re
 import sys
 import threading
 import time
@@ -233,7 +234,9 @@ class Plc:
         try:
             return str(self._node.resolve_topic_name(topic))
         except Exception as error:  # several classes, all of them say what is wrong
-            raise ValueError(' '.join(str(error).split())) from None
+            # Some builds of the client library end it with the place in their own source.
+            reason = re.sub(r',? at /[^ ]+:\d+', '', ' '.join(str(error).split()))
+            raise ValueError(reason) from None
 
     # Parameters
 
