@@ -121,6 +121,12 @@ def test_check_when_a_variable_is_unknown_then_it_is_found(program: Path) -> Non
     assert [d.code for d in session.check(program)] == ['L0203']
 
 
+def test_check_when_an_inline_composite_has_no_rung_then_it_is_reported(program: Path) -> None:
+    composite = '<composites><composite name="Empty" call="inline"/></composites>'
+    program.write_text(text(SEAL_IN).replace('<variables>', composite + '<variables>'))
+    assert [d.code for d in session.check(program)] == ['L0305']
+
+
 def test_compile_when_read_then_the_hash_is_that_of_the_bytes(program: Path) -> None:
     loaded = compile_file(program)
     assert loaded.source_hash == hashlib.sha256(program.read_bytes()).hexdigest()

@@ -27,7 +27,7 @@ from ladder_ros.compiler.tree import Forest
 from ladder_ros.compiler.tree_to_il import lower_to_il
 from ladder_ros.compiler.wiring import Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
-from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError
+from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError, problem
 from ladder_ros.executable import Entry, Executable, RoutineEntry, Scan, Variant
 from ladder_ros.model.program import Body, CallKind, Pou, Program, RunKind
 
@@ -105,6 +105,9 @@ def analyse(program: Program) -> Stages:
     for pou in _pous(program):
         wirings[pou_key(pou)], wrong = _collect(
             analyse_connections(rung, ends_in_output=not _is_inline(pou)) for rung in pou.rungs)
+        if _is_inline(pou) and not pou.rungs:
+            wrong = (problem('L0305', pou.location, f'{pou.name} is called inline and has no rung',
+                             reason='draw a rung in the composite'),)
         found += wrong
     if not has_errors(found):
         found += check_size(program)
