@@ -59,17 +59,16 @@ class Observation:
 
     plant: dict[str, Any] = field(default_factory=dict)
     controller: dict[str, Any] = field(default_factory=dict)
-    changed: threading.Event = field(default_factory=threading.Event)
+    since: float | None = None
+    """When everything was ready, by the monotonic clock."""
 
     def on_plant(self, message: Any) -> None:
         """Store the plant's report."""
         self.plant = json.loads(message.data)
-        self.changed.set()
 
     def on_state(self, message: Any) -> None:
         """Store the node's state."""
         self.controller = json.loads(message.data)
-        self.changed.set()
 
     def ready(self) -> bool:
         """Whether the plant moves and the program is scanned."""
@@ -134,7 +133,8 @@ def watch(
             return f'{", ".join(dead)} ended too early'
         if not ready and seen.ready():
             ready = True
-            deadline = time.monotonic() + options.seconds
+            seen.since = time.monotonic()
+            deadline = seen.since + options.seconds
         left = deadline - time.monotonic()
         if left <= 0:
             return '' if ready else f'the nodes were not ready after {READY_SECONDS:g} s'
@@ -209,7 +209,7 @@ def main(args: Sequence[str] | None = None) -> int:
                 node.create_subscription(String, 'elevator/plant', seen.on_plant, LATCHED)
                 node.create_subscription(String, 'plc_node/state', seen.on_state, LATCHED)
                 trouble = watch(options, running, seen, stop)
-                seconds = time.monotonic() - begun
+                seconds = time.monotonic() - (begun if seen.since is None else seen.since)
                 final = Observation(plant=seen.plant, controller=seen.controller)
         except FileNotFoundError as error:
             print(f'elevator_demo: {error}', file=sys.stderr)
