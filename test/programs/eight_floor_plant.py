@@ -45,8 +45,10 @@ class Building:
         self.blocked_until = self.emergency_until = -1.0
         self.opened: list[int] = []
         """Floors at which the door became fully open."""
+        self.trace: list[tuple[object, ...]] | None = None
+        """If it is a list: the outputs after each scan."""
+        self._seen: int | None = None
         self._written: dict[str, bool] = {}
-        self._moving = self._shifting = False
         self._outputs = [run.cycle.executable.by_path[name].index for name in (
             'cabin_up', 'cabin_down', 'door_open', 'door_close')]
 
@@ -71,7 +73,9 @@ class Building:
         """Sensors, one scan, rules, motors."""
         self._sense()
         self.run.scan()
-        self.rules.check(self.floor, self.door, self.speed)
+        self.rules.check(self._seen, self.door, self.speed)
+        if self.trace is not None:
+            self.trace.append(self.run.values())
         up, down, opening, closing = [self.run.cycle.state[index] for index in self._outputs]
         if up or down or self.speed:
             self._move(bool(up) - bool(down))
@@ -80,12 +84,13 @@ class Building:
 
     def _sense(self) -> None:
         floor, time = self.floor, self.time
+        if floor != self._seen:
+            self.run.set(**{f'floor_{n}': n == floor for n in FLOORS})
+            self._seen = floor
         self._set('door_opened', self.door >= 1.0)
         self._set('door_closed', self.door <= 0.0)
         self._set('door_blocked', self.door > 0.0 and time < self.blocked_until)
         self._set('emergency_stop', time < self.emergency_until)
-        for number in FLOORS:
-            self._set(f'floor_{number}', number == floor)
         for button, end in list(self.held.items()):
             self._set(button, True)
             if end <= time:
@@ -135,8 +140,8 @@ class Building:
     @property
     def still(self) -> bool:
         """Whether the cabin is idle at a floor, the door shut, and nobody asks for anything."""
-        return (self.run.on('idle_enable') and self.run.off('door_enable') and not self.held
-                and not self.rules.lit and self.door == 0.0 and self.speed == 0.0)
+        return (self.door == 0.0 and self.speed == 0.0 and not self.held and not self.rules.lit
+                and self.run.on('idle_enable') and self.run.off('door_enable'))
 
 
 @dataclass(slots=True)
@@ -199,8 +204,9 @@ class Day:
         building.wait(0.1)
         last_look = 0.0
         while building.run['homing_enable']:
+            assert building.time < 60.0, 'homing does not end'
             building.step()
-        while self._events or self.riding or any(self.waiting.values()) or not building.still:
+        while self._events or self.riding or self._anybody_waits() or not building.still:
             now = building.time
             assert now < self.end - self.begin + HOUR, 'somebody never arrives'
             while self._events and self._events[0][0] <= now:
@@ -216,8 +222,11 @@ class Day:
                 executed = executable.executed_instructions(state)
                 self.share.add(executed)
                 self.busy.add(executed)
-            if building.still and not any(self.waiting.values()):
+            if building.still and not self._anybody_waits():
                 self._sleep()
+
+    def _anybody_waits(self) -> bool:
+        return any(self.waiting.values())
 
     def _sleep(self) -> None:
         """Let time pass until something happens, or for two seconds at the day's end."""

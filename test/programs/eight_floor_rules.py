@@ -113,7 +113,7 @@ class Rules:
             assert new <= self.lit, f'not acknowledged: {new - self.lit}'
 
     def _check_direction(self, lit: frozenset[str], enabled: str) -> None:
-        """Direction never turns round while a call remains ahead; ``lit`` is what could be seen."""
+        """Never turn round while a call remains ahead; ``lit`` is what could be seen."""
         if enabled == self._was_enabled:
             return
         self._was_enabled = enabled
@@ -149,7 +149,7 @@ class Rules:
         self._door = door
 
     def _check_promises(self, floor: int | None, door: float, time: float) -> None:
-        """A cleared call is served when the door is open there and the direction is not against."""
+        """Serve a cleared call with an open door there, and the direction not against it."""
         if not self.promised or door < 1.0:
             return
         for call in self.promised:
