@@ -118,7 +118,8 @@ class _Resolver:
                 inner = pending[-1].pop()
                 key = inner.composite.casefold()
                 if key in trail:
-                    chain = ' -> '.join((*trail[trail.index(key):], key))
+                    chain = ' -> '.join(
+                        self.composites[name].name for name in (*trail[trail.index(key):], key))
                     self.report('L0207', inner.location, name=inner.composite, chain=chain)
                 elif key in self.composites:
                     trail.append(key)
@@ -128,7 +129,8 @@ class _Resolver:
     def _program_scope(self) -> Scope:
         taken: dict[str, Location] = {}
         self._unique(((v.name, v.location) for v in self.program.variables), taken)
-        symbols = {v.name.casefold(): _variable_symbol(v) for v in self.program.variables}
+        declared = reversed(self.program.variables)  # where two have a name the first one counts
+        symbols = {v.name.casefold(): _variable_symbol(v) for v in declared}
         rungs = [rung for body in self.program.bodies for rung in body.rungs]
         return self._with_instances('', symbols, taken, rungs)
 
@@ -139,7 +141,7 @@ class _Resolver:
         symbols = {
             d.name.casefold():
             _parameter_symbol(d) if isinstance(d, Parameter) else _variable_symbol(d)
-            for d in declared}
+            for d in reversed(declared)}
         return self._with_instances(composite.name, symbols, taken, composite.rungs)
 
     def _with_instances(

@@ -171,7 +171,9 @@ class _Analyser:
 
     def _report_sides(self, sides: Iterable[tuple[Component, object]], side: str) -> None:
         for component, _ in sides:
-            self.report('L0304', component, describe(component), name=component.id, side=side)
+            remedy = 'make it shorter' if isinstance(component, Column) else f'set {side}="none"'
+            self.report('L0304', component, describe(component), name=component.id, side=side,
+                        remedy=remedy)
 
     def _nets(self) -> tuple[tuple[Net, ...], Callable[[Point], int]]:
         left, right = ('rail', Rail.LEFT), ('rail', Rail.RIGHT)

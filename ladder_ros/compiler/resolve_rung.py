@@ -210,11 +210,12 @@ class RungResolver:
                         hint=suggestion(block.type, CATALOGUE))
             return None
         if kind.is_function and block.instance:
-            self.report('L0216', block.location, name=kind.name, what='is a function and takes no',
+            self.report('L0216', block.location, name=kind.name,
+                        what='is a function and takes no instance name',
                         reason='remove the attribute instance')
             return None
         if not kind.is_function and not block.instance:
-            self.report('L0216', block.location, name=kind.name, what='needs',
+            self.report('L0216', block.location, name=kind.name, what='needs an instance name',
                         reason='add instance="..." to name its state')
             return None
         generic = DataType.BOOL
@@ -328,8 +329,8 @@ class RungResolver:
                 instance.composite, (c.name for c in self.composites.values())))
             return None
         if not instance.instance:
-            self.report('L0216', instance.location, name=composite.name, what='needs',
-                        reason='add instance="..." to name its state')
+            self.report('L0216', instance.location, name=composite.name,
+                        what='needs an instance name', reason='add instance="..." to name its state')
             return None
         parameters = {p.name.casefold(): p for p in composite.parameters}
         bound: dict[str, Operand] = {}

@@ -17,6 +17,7 @@ from types import FrameType
 from ladder_ros import __version__
 from ladder_ros.diagnostics import has_errors, InternalError, LadderError, render
 from ladder_ros.ros.parameters import IO_RULES, read_settings, RULES
+from ladder_ros.ros.reasons import reason_of
 
 USAGE = """\
 usage: plc_node [PROGRAM] [--ros-args ...]
@@ -141,7 +142,7 @@ def _refuse(text: str) -> int:
 
 
 def _sentence(error: Exception) -> str:
-    return f'{type(error).__name__}: {" ".join(str(error).split())}'
+    return f'{type(error).__name__}: {reason_of(error)}'
 
 
 if __name__ == '__main__':

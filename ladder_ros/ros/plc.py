@@ -12,7 +12,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 import gc
 from pathlib import Path
-import re
 import sys
 import threading
 import time
@@ -29,6 +28,7 @@ from ladder_ros.ros.bindings import Bindings
 from ladder_ros.ros.io_map import IoMap, resolve_io
 from ladder_ros.ros.parameters import Declaration, declare, parameter_place, Settings
 from ladder_ros.ros.program_source import first_program, next_program, ProgramFolders
+from ladder_ros.ros.reasons import reason_of
 from ladder_ros.ros.services import serve
 from ladder_ros.ros.sim_clock import RosTimeClock
 from ladder_ros.ros.status import diagnostic_tasks, io_counts, stale_inputs, StatusPublisher
@@ -234,9 +234,7 @@ class Plc:
         try:
             return str(self._node.resolve_topic_name(topic))
         except Exception as error:  # several classes, all of them say what is wrong
-            # Some builds of the client library end it with the place in their own source.
-            reason = re.sub(r',? at /[^ ]+:\d+', '', ' '.join(str(error).split()))
-            raise ValueError(reason) from None
+            raise ValueError(reason_of(error)) from None
 
     # Parameters
 
