@@ -330,7 +330,8 @@ class RungResolver:
             return None
         if not instance.instance:
             self.report('L0216', instance.location, name=composite.name,
-                        what='needs an instance name', reason='add instance="..." to name its state')
+                        what='needs an instance name',
+                        reason='add instance="..." to name its state')
             return None
         parameters = {p.name.casefold(): p for p in composite.parameters}
         bound: dict[str, Operand] = {}
