@@ -9,7 +9,8 @@ from collections.abc import Callable, Mapping, Sequence
 from ladder_ros.compiler.il import InstructionList
 from ladder_ros.compiler.il_text import print_il
 from ladder_ros.compiler.il_to_python import emit_python
-from ladder_ros.compiler.link import lay_out, link_code, list_components
+from ladder_ros.compiler.lay_out import lay_out
+from ladder_ros.compiler.link import link_code, list_components
 from ladder_ros.compiler.pipeline import analyse, build_trees, lower, Stages
 from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.diagnostics import has_errors, LadderError
@@ -63,7 +64,7 @@ def _tree(program: Program, stages: Stages, pou: str | None) -> str:
 
 
 def _code(program: Program, stages: Stages, pou: str | None) -> InstructionList:
-    code = link_code(program, lower(build_trees(program, stages)))
+    code = link_code(program, {**lower(build_trees(program, stages)), **stages.texts})
     if pou is None:
         return code
     names = {p.name.casefold() for p in _chosen(program, pou)}

@@ -10,7 +10,7 @@ import difflib
 import re
 
 from ladder_ros.compiler.symbols import data_slot, Literal, Operand, Ref, Resolved, Scope
-from ladder_ros.diagnostics import Location
+from ladder_ros.diagnostics import InternalError, Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE, Generic, Pin
 from ladder_ros.model.component import (
     Argument,
@@ -22,6 +22,7 @@ from ladder_ros.model.component import (
     Instance,
     Row,
 )
+from ladder_ros.model.derived import elementary
 from ladder_ros.model.program import Composite, Direction, Parameter, Rung
 from ladder_ros.model.types import DataType, INTEGER_RANGE, parse_literal
 
@@ -59,7 +60,9 @@ class RungResolver:
             return Resolved(operand=target) if target is not None else None
         if isinstance(component, Block):
             return self._block(component)
-        return self._instance(component)
+        if isinstance(component, Instance):
+            return self._instance(component)
+        raise InternalError('symbols', f'{component.id} belongs in a wired drawing')
 
     def operand(
         self, text: str, location: Location, expected: DataType | None,
@@ -92,8 +95,9 @@ class RungResolver:
 
     def _variable(self, text: str, location: Location) -> Ref | None:
         symbol = self.scope.symbols.get(text.casefold())
-        if symbol is not None:
-            return Ref(path=symbol.name, type=symbol.type)
+        type_ = elementary(symbol.type) if symbol is not None else None
+        if symbol is not None and type_ is not None:
+            return Ref(path=symbol.name, type=type_)
         instance, _, pin_name = text.partition('.')
         block = self.scope.blocks.get(instance.casefold())
         if block is not None and pin_name:
@@ -347,7 +351,7 @@ class RungResolver:
                             type=parameter.type)
                 fine = False
             else:
-                bound[parameter.name] = Literal(value=parameter.default, type=parameter.type)
+                bound[parameter.name] = _default(parameter)
         if not fine:
             return None
         return Resolved(inputs=tuple(bound.items()), sources=tuple(sources))
@@ -364,9 +368,9 @@ class RungResolver:
                 self.report('L0211', argument.location, name=argument.source,
                             reason='it is the output of a block')
                 return None
-            return self.target(argument.operand, argument.location, parameter.type)
+            return self.target(argument.operand, argument.location, elementary(parameter.type))
         if argument.operand:
-            return self.operand(argument.operand, argument.location, parameter.type)
+            return self.operand(argument.operand, argument.location, elementary(parameter.type))
         source = self._source(argument)
         if source is None:
             return None
@@ -376,6 +380,13 @@ class RungResolver:
             return None
         sources.append(source[1].casefold())
         return source[0]
+
+
+def _default(parameter: Parameter) -> Literal:
+    """Return the default of a native parameter, which is elementary."""
+    type_ = elementary(parameter.type)
+    assert type_ is not None and isinstance(parameter.default, (bool, int, float, str))
+    return Literal(value=parameter.default, type=type_)
 
 
 _LITERAL = re.compile(r"(?:[-+0-9.']|(?:true|false)$|(?:t|time|[su]?[sdl]?int|u[dl]int|bool|"

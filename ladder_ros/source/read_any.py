@@ -1,0 +1,55 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Any program that can be read, told apart by what it is, never by its file's name."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.model.program import Program
+from ladder_ros.source.plcopen_project import is_project
+from ladder_ros.source.plcopen_to_model import parse_project
+from ladder_ros.source.xml_to_model import parse_program
+from ladder_ros.source.xml_tree import read_file, root_element
+
+PROJECT_FILE = 'project.json'
+"""What makes a folder a project of OpenPLC Editor v4."""
+
+
+def read_any(path: str | os.PathLike[str]) -> Program:
+    """Read a program: our own XML, PLCopen TC6 XML, or the folder of an OpenPLC v4 project.
+
+    Raises LadderError with what keeps it from being read.
+    """
+    name = os.fspath(path)
+    folder = openplc_folder(name)
+    if folder is not None:
+        return _read_openplc(folder)
+    return parse_any(read_file(name), name)
+
+
+def parse_any(data: bytes, file: str = '') -> Program:
+    """Read a program from the bytes of an XML file; ``file`` is its name in locations."""
+    namespace, tag = root_element(data)
+    if is_project(namespace, tag):
+        return parse_project(data, file)
+    return parse_program(data, file)
+
+
+def openplc_folder(path: str) -> Path | None:
+    """Return the folder of an OpenPLC v4 project that a path means, or None if it means none."""
+    try:
+        given = Path(path)
+        if given.name == PROJECT_FILE and given.is_file():
+            return given.parent
+        return given if given.is_dir() and (given / PROJECT_FILE).is_file() else None
+    except (OSError, ValueError):  # a NUL in the path: reading it says so
+        return None
+
+
+def _read_openplc(folder: Path) -> Program:
+    raise LadderError.of(
+        'L0102', Location(file=os.fspath(folder)), root='a folder of OpenPLC Editor v4',
+        help='open the plc.xml that its build writes')
