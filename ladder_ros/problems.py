@@ -76,7 +76,7 @@ _FILES = (
            'write a literal of the variable\'s type'),
     _warning('L0137', 'the address {address} of {name} is not understood',
              'it is left out; write an address such as %IX0.0, %QX1.7 or %MW10'),
-    _warning('L0138', '{what} is left out: {reason}', 'nothing can use it here'),
+    _warning('L0138', 'left out: {what}: {reason}', 'what uses it cannot run here'),
     _warning('L0139', 'a {type} has no instance name', 'it is called {name} here; name it'),
     _warning('L0140', '{name} is declared more than once, or without a name',
              'the first counts; rename or remove the other'),
@@ -118,12 +118,16 @@ _NAMES = (
     _error('L0220', 'the types of {name} do not fit together',
            'its inputs and output must be of one type: {reason}'),
     _error('L0221', 'pin {pin} of {name} is connected twice', 'keep one of the connections'),
+    _warning('L0242', 'nothing is known of the block {name}; {instance} is a stand-in for it',
+             'its outputs are inputs of the program: map them to topics; pins: {pins}'),
     _error('L0240', 'the body of {name} is written in {language}, which cannot run here',
            'draw it as a ladder or function block diagram, or write it in Structured Text'),
     _warning('L0241', 'the body of {name} is written in {language}; nothing uses it',
              'the rest of the program runs without it'),
     _warning('L0222', 'the instance {name} is called more than once',
              'it keeps one state for all its calls; give each call an instance of its own'),
+    _error('L0224', 'the index {index} is outside of {name}', 'it goes from {low} to {high}'),
+    _error('L0225', '{name} may not stand {where}', '{reason}'),
 )
 
 _DRAWING = (

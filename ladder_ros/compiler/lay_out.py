@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from ladder_ros.compiler.il import active_flag, Instruction, InstructionList, Op
+from ladder_ros.compiler.stub_blocks import STUB
 from ladder_ros.compiler.symbols import Element, pou_key, Ref, Scope, Symbols
 from ladder_ros.executable import ARITHMETIC_ERRORS, Slot, SlotClass
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
@@ -102,7 +103,7 @@ class _Layout:
             return
         self.instances.add(prefix.casefold())
         for variable in _kept(composite):
-            self.add_variable(prefix, variable, SlotClass.LOCAL)
+            self.add_variable(prefix, variable, _instance_class(composite, variable))
         self.add_scope(prefix, self.symbols.scopes[pou_key(composite)])
 
     def add_block(self, instance: str, kind: BlockKind) -> None:
@@ -137,6 +138,14 @@ class _Layout:
             self.add(active_flag(call.instance).path, DataType.BOOL, SlotClass.SYSTEM, False)
         elif instruction.op is Op.CAL:
             self.add_block(call.instance, CATALOGUE[call.name])
+
+
+def _instance_class(composite: Composite, variable: Variable | Parameter) -> SlotClass:
+    """Return the slot class in an instance: the pins of a stand-in are the program's I/O."""
+    if composite.category != STUB or not isinstance(variable, Parameter):
+        return SlotClass.LOCAL
+    is_input = variable.direction is Direction.INPUT
+    return SlotClass.OUTPUT if is_input else SlotClass.INPUT
 
 
 def _kept(composite: Composite) -> Iterator[Variable | Parameter]:

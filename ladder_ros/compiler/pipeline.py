@@ -25,6 +25,7 @@ from ladder_ros.compiler.link import link_code, list_components
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
 from ladder_ros.compiler.st_to_il import lower_statements
+from ladder_ros.compiler.stub_blocks import stub_unknown_blocks
 from ladder_ros.compiler.symbols import Element, Literal, Operand, pou_key, Symbols
 from ladder_ros.compiler.tree import Forest
 from ladder_ros.compiler.tree_to_il import lower_to_il
@@ -59,14 +60,18 @@ class Compilation:
 
 
 def compile_program(
-    program: Program, *, backend: str = 'python', source_hash: str = '',
+    program: Program, *, backend: str = 'python', source_hash: str = '', stubs: bool = False,
 ) -> Compilation:
     """Compile a program; ``source_hash`` identifies the file it came from.
+
+    With ``stubs`` an unknown block of an imported drawing gets a stand-in instead of an error.
 
     Raises LadderError with every error that was found; L0504 for an unknown backend.
     """
     if backend not in BACKENDS:
         raise LadderError.of('L0504', program.location, name=backend, known=', '.join(BACKENDS))
+    if stubs:
+        program = stub_unknown_blocks(program)
     stages = analyse(program)
     if has_errors(stages.diagnostics):
         raise LadderError(stages.diagnostics)
@@ -94,10 +99,10 @@ def compile_program(
         executable=executable, diagnostics=stages.diagnostics + check_coils(code, components))
 
 
-def check_program(program: Program) -> tuple[Diagnostic, ...]:
+def check_program(program: Program, *, stubs: bool = False) -> tuple[Diagnostic, ...]:
     """Return everything that is to be said about a program: errors, warnings, hints."""
     try:
-        return compile_program(program).diagnostics
+        return compile_program(program, stubs=stubs).diagnostics
     except LadderError as error:
         return error.diagnostics
 

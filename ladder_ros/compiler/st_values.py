@@ -8,6 +8,7 @@ Implicit conversions are those of IEC 61131-3 edition 3, figure 12: nothing is l
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 import math
 import re
 
@@ -29,7 +30,7 @@ def _closure() -> dict[DataType, frozenset[DataType]]:
     found = {type_: {type_} for type_ in DataType}
     for _ in DataType:
         for chain in _CHAINS:
-            for narrow, wide in zip(chain, chain[1:], strict=False):
+            for narrow, wide in pairwise(chain):
                 found[narrow] |= found[wide]
     return {type_: frozenset(wider) for type_, wider in found.items()}
 
@@ -98,7 +99,7 @@ def read_literal(text: str) -> Literal | Number:
         body = text[1:] if prefix.startswith('L') else text
         return Literal(value=parse_literal(body, _T.TIME), type=_T.TIME)
     if mark and prefix in _T.__members__:
-        type_ = _T[prefix]
+        type_ = DataType(prefix)
         return Literal(value=parse_literal(text, type_), type=type_)
     if mark and prefix in _DATES:
         raise ValueError('there are no dates and times of day here')

@@ -11,6 +11,7 @@ from functools import cmp_to_key
 from ladder_ros.diagnostics import LadderError, Location, problem
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import (
+    Argument,
     Block,
     Coil,
     CoilKind,
@@ -326,9 +327,9 @@ class _Reader:
                 negated=_flag(element, 'negatedIn' if both else 'negated'))
 
     def block(self, part: _Part) -> Iterator[Component]:
+        pins = {pin.name: pin for pin in (*part.pins.outputs, *part.pins.inputs)}
         modifiers = tuple(
-            modifier for pin in {p.name: p for p in (*part.pins.outputs, *part.pins.inputs)}.values()
-            if (modifier := self.modifier(pin)) is not None)
+            modifier for pin in pins.values() if (modifier := self.modifier(pin)) is not None)
         type_, user = _type_name(part.element), self.user(part.element)
         if not type_:
             self.report.add('L0133', part.location, what='a block',
@@ -345,11 +346,19 @@ class _Reader:
         if kind is not None:
             instance = '' if kind.is_function else self.instance(part, type_)
         code = vendor_data(part.element, '/stcode')
+        listed = kind is None and code is None
         yield Block(
             id=part.id, placement=part.placement, type=kind.name if kind else type_,
             instance=instance, modifiers=modifiers, location=part.location,
+            inputs=self.listing(part.pins.inputs) if listed else (),
+            outputs=self.listing(part.pins.outputs) if listed else (),
             statements=() if code is None else self.operands.statements(
-                prose(code), self.report.text_at(text_holder(code))))
+                prose(code).lstrip(), self.report.text_at(text_holder(code))))
+
+    def listing(self, pins: list[Pin]) -> tuple[Argument, ...]:
+        """Return the pins of a block that is not known: arguments without a value."""
+        return tuple(
+            Argument(pin=pin.name, location=self.report.at(pin.element)) for pin in pins)
 
     def instance(self, part: _Part, type_: str) -> str:
         name = part.element.attributes.get('instanceName', '').strip()

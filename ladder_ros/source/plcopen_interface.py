@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 import re
 
-from ladder_ros.diagnostics import LadderError, problem
+from ladder_ros.diagnostics import LadderError, Location, problem
 from ladder_ros.model.derived import elementary, Initial, LEAF_LIMIT, leaves, Type
 from ladder_ros.model.program import Direction, Parameter, Variable, VariableClass
 from ladder_ros.model.types import Value
@@ -66,7 +66,7 @@ class Interface:
     declarations: list[Declaration] = field(default_factory=list)
     blocks: list[tuple[str, str]] = field(default_factory=list)
     externals: list[Declaration] = field(default_factory=list)
-    external_blocks: list[tuple[str, str]] = field(default_factory=list)
+    external_blocks: list[tuple[str, str, Location]] = field(default_factory=list)
     result: Typed | None = None
     unsupported: str = ''
     known: set[str] = field(default_factory=set)
@@ -78,11 +78,6 @@ class Interface:
         return frozenset(
             [d.variable.name.casefold() for d in self.declarations]
             + [name.casefold() for name, _ in self.blocks])
-
-    @property
-    def external_names(self) -> list[str]:
-        """Names of the globals that are declared as used."""
-        return [d.variable.name for d in self.externals] + [n for n, _ in self.external_blocks]
 
     def variables(self) -> Iterator[Variable]:
         """Yield all variables, inputs and outputs included."""
@@ -187,8 +182,10 @@ class Declarations:
         if child(element, 'initialValue') is not None:
             self._report.omit(
                 element, f'the initial value of {name}', 'a function block starts afresh')
-        external = section is Section.EXTERNAL
-        (into.external_blocks if external else into.blocks).append((name, found.name))
+        if section is Section.EXTERNAL:
+            into.external_blocks.append((name, found.name, self._report.at(element)))
+        else:
+            into.blocks.append((name, found.name))
 
     def _declaration(self, element: Element, name: str, found: Typed, group: Element,
                      section: Section, constants: dict[str, Value]) -> Declaration:

@@ -120,7 +120,7 @@ def _mapped(
     """Return a syntax tree with each variable in it changed."""
     if isinstance(node, tuple):
         mapped = tuple(_mapped(inner, change) for inner in node)
-        same = all(new is old for new, old in zip(mapped, node))
+        same = all(new is old for new, old in zip(mapped, node, strict=True))
         return node if same else mapped  # type: ignore[return-value]
     if not is_dataclass(node) or isinstance(node, (type, Location)):
         return node

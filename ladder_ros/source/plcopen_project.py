@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """A PLCopen TC6 project as elements by kind, wherever a tool has put them.
 
-Editors that follow the schema keep POUs in ``types`` and tasks in ``instances``; others keep all of
-it in ``addData``, at the project, at a resource or at an application.  An element's local name says
-what it is in all of them.
+Editors that follow the schema keep POUs in ``types`` and tasks in ``instances``; others keep all
+of it in ``addData``, at the project, at a resource or at an application.  An element's local name
+says what it is in all of them.
 """
 
 from __future__ import annotations

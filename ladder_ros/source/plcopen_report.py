@@ -43,7 +43,7 @@ class Report:
             help: str | None = None, **facts: object) -> None:
         """Report a problem of the table at an element or place."""
         place = where if isinstance(where, Location) else self.at(where)
-        self._keep(problem(code, place, label, help=help, **facts))
+        self._keep(problem(code, place, label, help=help, **facts))  # type: ignore[arg-type]
 
     def take(self, error: LadderError) -> None:
         """Report what another reader found."""

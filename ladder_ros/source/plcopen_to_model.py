@@ -33,7 +33,7 @@ from ladder_ros.model.program import (
 from ladder_ros.model.st import Statement
 from ladder_ros.source.grammar import MAX_POUS, NAME
 from ladder_ros.source.plcopen_drawing import read_drawing
-from ladder_ros.source.plcopen_interface import Declaration, Declarations, Interface
+from ladder_ros.source.plcopen_interface import Declarations, Interface, Section
 from ladder_ros.source.plcopen_operands import Operands
 from ladder_ros.source.plcopen_pins import Signature, signature
 from ladder_ros.source.plcopen_project import (
@@ -57,6 +57,7 @@ from ladder_ros.source.xml_tree import (
 )
 
 _WORD = re.compile(r'[^\W\d]\w*')
+_WARNED = 'what the warnings say'
 _LANGUAGES = frozenset({'LD', 'FBD', 'ST', 'IL', 'SFC'})
 
 
@@ -124,9 +125,12 @@ class _Importer:
         self.elements: dict[str, Element] = {}
         self.signatures: dict[str, Signature] = {}
         self.words: dict[str, set[str]] = {}
+        self.interfaces: dict[str, Interface] = {}
         self.operands = Operands(report)
         self.variables: dict[str, Variable] = {}
         self.blocks: dict[str, tuple[str, str]] = {}
+        self.prefixed: dict[tuple[str, str], str] = {}
+        """Variables of the program that are found only by a name with another before it."""
 
     def program(self) -> Program:
         project, report = self.project, self.report
@@ -141,10 +145,14 @@ class _Importer:
         declarations = Declarations(types, report)
         self.globals(declarations)
         needed = self.needed(schedule)
-        pous = {key: self.pou(key, declarations, key in needed) for key in self.elements}
-        for pou in pous.values():
-            self.externals(pou)
-        return self.arranged(pous, schedule, types, place)
+        for key, own in self.signatures.items():
+            with report.pou(own.name, key in needed):
+                self.interface(key, declarations)
+        for interface in self.interfaces.values():
+            self.externals(interface)
+        main = self.only_run(schedule)
+        pous = {key: self.pou(key, key in needed) for key in self.elements}
+        return self.arranged(pous, schedule, main, types, place)
 
     def index(self) -> None:
         for element in self.project.pous[:MAX_POUS]:
@@ -190,6 +198,8 @@ class _Importer:
                     self.blocks[name.casefold()] = (name, type_)
                     lists[group.name.casefold(), own.casefold()] = name
         self.operands.lists = {key: name for key, name in lists.items() if key[0]}
+        self.prefixed = {
+            key: name for key, name in self.operands.lists.items() if name.casefold() != key[1]}
 
     def global_name(self, name: str, group: str, place: Location) -> str:
         for candidate in (name, f'{group}_{name}' if group else name):
@@ -198,36 +208,44 @@ class _Importer:
         self.report.add('L0140', place, name=name)
         return ''
 
-    def externals(self, pou: _Pou) -> None:
+    def externals(self, interface: Interface) -> None:
         """Declare what a POU takes for a global and nothing declares."""
-        for declaration in pou.interface.externals:
-            self.external(declaration)
-        for name, type_ in pou.interface.external_blocks:
+        for variable in (declaration.variable for declaration in interface.externals):
+            if not self.is_global(variable.name):
+                self.variables[variable.name.casefold()] = variable
+                self.report.add('L0145', variable.location, name=variable.name)
+        for name, type_, place in interface.external_blocks:
             if not self.is_global(name):
                 self.blocks[name.casefold()] = (name, type_)
-                self.report.add('L0145', pou.location, name=name)
-
-    def external(self, declaration: Declaration) -> None:
-        variable = declaration.variable
-        if not self.is_global(variable.name):
-            self.variables[variable.name.casefold()] = variable
-            self.report.add('L0145', variable.location, name=variable.name)
+                self.report.add('L0145', place, name=name)
 
     def is_global(self, name: str) -> bool:
         return name.casefold() in self.variables or name.casefold() in self.blocks
 
     # -- POUs -------------------------------------------------------------------------------
 
-    def pou(self, key: str, declarations: Declarations, needed: bool) -> _Pou:
-        element, own = self.elements[key], self.signatures[key]
+    def interface(self, key: str, declarations: Declarations) -> None:
+        """Read an interface; global variables that it declares are everybody's."""
+        interface = declarations.interface(
+            child(self.elements[key], 'interface'), self.signatures[key].is_function)
+        if self.report.failed:
+            interface.unsupported = interface.unsupported or _WARNED
+        for declaration in interface.declarations[:]:
+            own = declaration.variable
+            if declaration.section is Section.GLOBAL and not self.is_global(own.name):
+                self.variables[own.name.casefold()] = own
+                interface.declarations.remove(declaration)
+        self.interfaces[key] = interface
+
+    def pou(self, key: str, needed: bool) -> _Pou:
+        element, own, interface = self.elements[key], self.signatures[key], self.interfaces[key]
         with self.report.pou(own.name, needed):
             place = self.report.at(element)
-            interface = declarations.interface(child(element, 'interface'), own.is_function)
             self.operands.enter(interface.names)
             rungs, statements, unsupported = self.body(element)
             unsupported = unsupported or interface.unsupported
             if self.report.failed:
-                unsupported = unsupported or 'what the warnings say'
+                unsupported = unsupported or _WARNED
             return _Pou(
                 element=element, signature=own, interface=interface, rungs=rungs,
                 statements=statements, unsupported=unsupported,
@@ -237,13 +255,13 @@ class _Importer:
         """Return rungs, statements and why the body cannot run."""
         for inner in children(element, 'actions', 'transitions'):
             if inner.children:
-                self.report.omit(inner, f'the {inner.tag} of {element.attributes["name"]}',
+                self.report.omit(inner, f'{inner.tag} of {element.attributes["name"]}',
                                  'only the body of a POU is read')
         for extra in children(element, 'addData'):
             for data in children(extra, 'data'):
                 kind = data.attributes.get('name', '').rpartition('/')[2].lower()
                 if kind in ('method', 'property'):
-                    self.report.omit(data, f'a {kind} of {element.attributes["name"]}',
+                    self.report.omit(data, f'{kind} of {element.attributes["name"]}',
                                      'only the body of a POU is read')
         bodies = [
             inner for body in children(element, 'body') for inner in body.children
@@ -293,19 +311,16 @@ class _Importer:
                 yield self.variables[word].name
             elif word in self.blocks:
                 yield self.blocks[word][0]
-        renamed = {name.casefold() for name in self.operands.lists.values()}
         words = self.words[pou.name.casefold()]
-        for (group, own), name in self.operands.lists.items():
-            if name.casefold() != own and name.casefold() in renamed and {group, own} <= words:
-                yield name
+        yield from (
+            name for (group, own), name in self.prefixed.items() if {group, own} <= words)
         yield from pou.addresses
 
     # -- the program ------------------------------------------------------------------------
 
-    def arranged(self, pous: dict[str, _Pou], schedule: Schedule, types: Types,
+    def arranged(self, pous: dict[str, _Pou], schedule: Schedule, main: Run | None, types: Types,
                  place: Location) -> Program:
         variables, blocks = list(self.variables.values()), list(self.blocks.values())
-        main = self.only_run(pous, schedule)
         if main is not None:
             pou = pous[main.pou.attributes['name'].strip().casefold()]
             variables = [*pou.interface.variables(), *variables]
@@ -324,13 +339,24 @@ class _Importer:
             blocks=tuple(blocks), expressions=dict(self.operands.expressions),
             enumerations=dict(types.enumerations), dialect=self.project.dialect, location=place)
 
-    def only_run(self, pous: dict[str, _Pou], schedule: Schedule) -> Run | None:
-        """Return the one program instance, unless its names and the globals' would get mixed."""
+    def only_run(self, schedule: Schedule) -> Run | None:
+        """Return the one program instance, unless its names and the globals' would get mixed.
+
+        Its variables are the program's, so that others find them without its name before them.
+        """
         if len(schedule.runs) != 1:
             return None
         run = schedule.runs[0]
-        names = pous[run.pou.attributes['name'].strip().casefold()].interface.names
-        return run if names.isdisjoint(self.variables) and names.isdisjoint(self.blocks) else None
+        key = run.pou.attributes['name'].strip().casefold()
+        interface = self.interfaces[key]
+        if not (interface.names.isdisjoint(self.variables)
+                and interface.names.isdisjoint(self.blocks)):
+            return None
+        own = [d.variable.name for d in interface.declarations] + [n for n, _ in interface.blocks]
+        mine = {(key, name.casefold()): name for name in own}
+        self.operands.lists = {**mine, **self.operands.lists}
+        self.prefixed.update(mine)
+        return run
 
     def call(self, run: Run) -> Body:
         """Return the body that runs one of several program instances."""

@@ -79,7 +79,7 @@ class Types:
         self._elements: dict[str, Element] = {}
         self._found: dict[str, Found] = {}
         self._open: list[str] = []
-        self._sizes: dict[int, tuple[Type, int]] = {}
+        self._sizes: dict[int, tuple[Type, int, int]] = {}
         self.enumerations: dict[str, int] = {}
         for element in declarations:
             name = element.attributes.get('name', '')
@@ -100,18 +100,24 @@ class Types:
 
     def size(self, type_: Type) -> int:
         """Return how many elementary values a type consists of."""
+        return self._measure(type_)[0]
+
+    def _measure(self, type_: Type) -> tuple[int, int]:
+        """Return size and nesting of a type; each type is measured once."""
         known = self._sizes.get(id(type_))
         if known is not None:
-            return known[1]
-        size = 1
+            return known[1:]
+        size, depth = 1, 0
         if isinstance(type_, Structure):
-            size = sum(self.size(field.type) for field in type_.fields)
+            parts = [self._measure(field.type) for field in type_.fields]
+            size, depth = sum(part[0] for part in parts), 1 + max(part[1] for part in parts)
         elif isinstance(type_, Array):
-            size = self.size(type_.element)
+            size, depth = self._measure(type_.element)
+            depth += 1
             for low, high in type_.bounds:
                 size *= high - low + 1
-        self._sizes[id(type_)] = (type_, size)
-        return size
+        self._sizes[id(type_)] = (type_, size, depth)
+        return size, depth
 
     def declared(self, element: Element | None) -> Found:
         """Return what a ``type`` or ``baseType`` element says."""
@@ -161,14 +167,13 @@ class Types:
             return found
         return self._with_initial(found, child(element, 'initialValue'), name)
 
-    def _with_initial(self, found: Typed, element: Element | None, name: str) -> Typed:
+    def _with_initial(self, found: Typed, element: Element | None, name: str) -> Typed | NoType:
         if element is None:
             return found
         try:
             return Typed(type=found.type, initial=read_initial(element, found.type))
         except ValueError as error:
-            self._report.add('L0136', element, name=name, reason=error)
-            return found
+            return NoType(reason=f'initial value of {name}: {error}', fatal=True)
 
     def _read(self, element: Element, name: str) -> Found:
         """Read the element that says a type; ``name`` is what the declaration calls it."""
@@ -185,9 +190,13 @@ class Types:
                 found = self._subrange(element, name)
             case tag:
                 return self._foreign(tag)
-        if isinstance(found, Typed) and self.size(found.type) > LEAF_LIMIT:
-            return NoType(
-                reason=f'a value has more than {LEAF_LIMIT} elementary values', fatal=True)
+        if isinstance(found, Typed):
+            size, depth = self._measure(found.type)
+            if size > LEAF_LIMIT:
+                return NoType(
+                    reason=f'a value has more than {LEAF_LIMIT} elementary values', fatal=True)
+            if depth > _MAX_NESTING:
+                return NoType(reason=f'more than {_MAX_NESTING} types in each other', fatal=True)
         return found
 
     def _element_type(self, element: Element | None, what: str) -> Typed | NoType:
@@ -225,7 +234,9 @@ class Types:
             found = self._element_type(child(inner, 'type'), own)
             if isinstance(found, NoType):
                 return found
-            found = self._with_initial(found, child(inner, 'initialValue'), f'{name}.{own}')
+            found = self._with_initial(found, child(inner, 'initialValue'), own)
+            if isinstance(found, NoType):
+                return found
             fields[own.casefold()] = StructureField(
                 name=own, type=found.type, initial=found.initial)
         if not fields:

@@ -64,16 +64,14 @@ def coordinate(text: str | None) -> int | None:
 def interval(text: str, unit: str = 'ms') -> int | None:
     """Return a task's interval in nanoseconds, or None if it is none.
 
-    IEC (``T#20ms``, ``20ms``), ISO 8601 (``PT0.02S``), a clock (``00:00:00.100``) and a bare number
-    of ``unit`` are found in the wild.
+    IEC (``T#20ms``, ``20ms``), ISO 8601 (``PT0.02S``), a clock (``00:00:00.100``) and a bare
+    number of ``unit`` are found in the wild.
     """
     text = text.strip()
     found = None
     if match := _ISO.fullmatch(text):
-        parts = {'d': 'd', 'h': 'h', 'm': 'm', 's': 's'}
-        found = sum(_scaled(match[group] or '0', _UNITS[key]) for group, key in parts.items())
-        if match['y'] or match['mo']:
-            found += _scaled(match['y'] or '0', 365 * _DAY) + _scaled(match['mo'] or '0', 30 * _DAY)
+        units = {**{key: _UNITS[key] for key in 'dhms'}, 'y': 365 * _DAY, 'mo': 30 * _DAY}
+        found = sum(_scaled(match[key] or '0', unit) for key, unit in units.items())
     elif match := _CLOCK.fullmatch(text):
         found = (int(match[1]) * 3600 + int(match[2]) * 60 + int(match[3])) * NS_PER_S
         found += _scaled('0.' + (match[4] or '0'), NS_PER_S)
@@ -184,7 +182,7 @@ def _parts(
 
 
 def _repeated(element: Element, flat: bool) -> list[Element]:
-    """Return the values of an array; rows within a ``flat`` array of many dimensions are joined."""
+    """Return the values of an array; rows in a ``flat`` array of many dimensions are joined."""
     found: list[Element] = []
     for value in children(element, 'value'):
         count = integer(value.attributes.get('repetitionValue', '1'))

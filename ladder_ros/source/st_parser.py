@@ -9,7 +9,7 @@ Fails:  ``IF a THEN b := 1 END_IF`` (L0120: END_IF is not expected here; an oper
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, cast
 
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.st import (
@@ -175,7 +175,7 @@ def _unary(at: Location, parts: list[Any]) -> UnaryExpression:
 
 def _signed(at: Location, parts: list[Any]) -> Expression:
     sign, literal = parts
-    return literal if sign == '+' else _unary(at, parts)  # type: ignore[no-any-return]
+    return cast(Expression, literal) if sign == '+' else _unary(at, parts)
 
 
 def _literal(at: Location, parts: list[Any]) -> LiteralExpression:

@@ -186,7 +186,7 @@ def _too_deep(frame: _Frame) -> LadderError:
     if frame.nesting > MAX_NESTING:
         return LadderError.of('L0121', frame.location, what=f'more than {MAX_NESTING} levels',
                               limit=f'{MAX_NESTING} levels of nesting')
-    return LadderError.of('L0121', frame.location, what=f'more than {MAX_CHAIN} operators in a row',
+    return LadderError.of('L0121', frame.location, what='a long row of operators',
                           limit=f'{MAX_CHAIN} operators in one expression')
 
 
@@ -240,7 +240,7 @@ def _excerpt(text: str, line: int) -> str:
 
 def _shown(terminals: Collection[str]) -> Iterator[str]:
     left = set(terminals)
-    if _STATEMENTS <= left:
+    if left >= _STATEMENTS:
         yield 'a statement'
         left -= _STATEMENTS | {'SEMICOLON'}
     elif _VALUES - {'AND', 'OR', 'XOR', 'MOD'} <= left:
