@@ -73,7 +73,7 @@ _FILES = (
     _error('L0134', 'the project holds no POU', 'export it with its programs'),
     _error('L0135', 'the type {type} cannot be used: {reason}', 'correct the declaration'),
     _error('L0136', 'the initial value of {name} cannot be read: {reason}',
-           'write a literal of the variable\'s type'),
+           "write a literal of the variable's type"),
     _warning('L0137', 'the address {address} of {name} is not understood',
              'it is left out; write an address such as %IX0.0, %QX1.7 or %MW10'),
     _warning('L0138', 'left out: {what}: {reason}', 'what uses it cannot run here'),
@@ -88,7 +88,7 @@ _FILES = (
              'as nothing else runs, it is run; add an instance of it to a task'),
     _warning('L0144', 'the task {task} has no interval that can be read',
              'what it runs, runs in every scan; give it one such as T#20ms'),
-    _warning('L0145', 'the external variable {name} is nobody\'s global variable',
+    _warning('L0145', "the external variable {name} is nobody's global variable",
              'a global variable is made for it; declare it in the configuration'),
 )
 

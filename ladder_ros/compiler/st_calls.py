@@ -3,8 +3,8 @@
 """Calls in Structured Text: arguments to pins and parameters, and the user's own POUs.
 
 A user's POU is called by copying its inputs into the instance's variables, running its routine
-and copying its outputs; in-out parameters are bound by reference.  A function has a hidden instance
-for each place that calls it, whose variables start afresh.
+and copying its outputs; in-out parameters are bound by reference.  A function has a hidden
+instance for each place that calls it, whose variables start afresh.
 """
 
 from __future__ import annotations

@@ -16,10 +16,26 @@ from ladder_ros.compiler.resolve_rung import literal_type
 from ladder_ros.diagnostics import Diagnostic, problem
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import (
-    Block, Coil, Component, Contact, Instance, InVariable, OutVariable)
+    Block,
+    Coil,
+    Component,
+    Contact,
+    Instance,
+    InVariable,
+    OutVariable,
+)
 from ladder_ros.model.derived import elementary, Type
 from ladder_ros.model.program import (
-    Body, CallKind, Composite, Direction, Parameter, Port, Pou, Program, Rung)
+    Body,
+    CallKind,
+    Composite,
+    Direction,
+    Parameter,
+    Port,
+    Pou,
+    Program,
+    Rung,
+)
 from ladder_ros.model.types import DataType
 
 STUB = 'stub'

@@ -14,7 +14,17 @@ from dataclasses import dataclass, field, replace
 from ladder_ros.compiler.aov import SymbolVertex
 from ladder_ros.compiler.tree import And, Forest, Fork, Leaf, Load, Or, Pin, Save, Tree, Wire
 from ladder_ros.model.component import (
-    Argument, Block, Coil, Column, Component, Contact, Instance, Placement, Row, Side)
+    Argument,
+    Block,
+    Coil,
+    Column,
+    Component,
+    Contact,
+    Instance,
+    Placement,
+    Row,
+    Side,
+)
 from ladder_ros.model.program import Rung
 
 DEEPEST = 150

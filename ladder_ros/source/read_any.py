@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 from pathlib import Path
 
@@ -47,6 +48,16 @@ def openplc_folder(path: str) -> Path | None:
         return given if given.is_dir() and (given / PROJECT_FILE).is_file() else None
     except (OSError, ValueError):  # a NUL in the path: reading it says so
         return None
+
+
+def folder_hash(folder: Path) -> str:
+    """Return the SHA-256 of a project's files, names included."""
+    digest = hashlib.sha256()
+    for file in sorted(folder.rglob('*')):
+        if file.is_file() and file.suffix in ('.json', '.ld', '.st', '.fbd', '.il'):
+            digest.update(os.fsencode(file.relative_to(folder)) + b'\0')
+            digest.update(read_file(os.fspath(file)))
+    return digest.hexdigest()
 
 
 def _read_openplc(folder: Path) -> Program:

@@ -37,7 +37,8 @@ make this page from the table that the compiler works with, and pin what each ro
 - Most functions are there under a name with the type as well, for instance `ADD_INT`, `GT_REAL`,
   `SEL_TIME`; counters of another type are `CTU_DINT`, `CTU_LINT`, `CTU_UDINT`, `CTU_ULINT`, and
   the same for CTD and CTUD.
-- Control blocks without a BOOL input to start them have EN: while it is FALSE they keep their state.
+- Control blocks without a BOOL input to start them have EN: while it is FALSE, they keep their
+  state.
 """
 
 _CONVERSIONS = """
@@ -50,8 +51,8 @@ _CONVERSIONS = """
 | `TRUNC`, `TRUNC_B`, `A_TRUNC_B` | REAL or LREAL to an integer without the fraction; TRUNC alone \
 gives the type of what OUT is connected to, else DINT |
 | `A_TO_BCD_B`, `A_TO_BCD` | an unsigned integer to decimal digits, four bits each |
-| `A_BCD_TO_B`, `BCD_TO_B` | decimal digits to an unsigned integer; a digit above 9 gives 0 and ENO \
-FALSE |
+| `A_BCD_TO_B`, `BCD_TO_B` | decimal digits to an unsigned integer; a digit above 9 gives 0 and \
+ENO FALSE |
 
 What the conversions do, one sample per rule:
 
@@ -75,7 +76,8 @@ What the conversions do, one sample per rule:
 | STRING | BOOL | TRUE for `1` and `true` in any case | |
 | STRING | integer | `2#`, `8#`, `16#` or decimal, up to the first letter or point; none: 0 | \
 `STRING_TO_INT('3.7')` = 3 |
-| STRING | REAL, LREAL | the number that it begins with; none: 0.0 | `STRING_TO_REAL('1.5V')` = 1.5 |
+| STRING | REAL, LREAL | the number that it begins with; none: 0.0 | \
+`STRING_TO_REAL('1.5V')` = 1.5 |
 | STRING | TIME | a duration literal, or a number of seconds | `STRING_TO_TIME('T#5m')` = T#5m |
 
 ## Where other systems differ

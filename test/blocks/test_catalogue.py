@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from blocks.library_page import library_page
 from hypothesis import given
 from hypothesis import strategies as st
-from blocks.library_page import library_page
 import pytest
 
 from ladder_ros.model.catalogue import BASIC_NAMES, CATALOGUE, Generic, INPUT_LIMIT

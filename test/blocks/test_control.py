@@ -97,7 +97,7 @@ def test_pid_when_on_manual_then_follows_x0_and_changes_over_without_a_bump() ->
 def test_pid_when_the_error_rises_then_the_derivative_adds() -> None:
     seen = run('PID', pid(False, 1.0, td=2.0), pid(True, 2.0, td=2.0))
     # 3 * (1 + 1/2 + 2 * slope), the slope being 3 * 1 / 10
-    assert seen[1] == (True, pytest.approx(6.3))
+    assert seen[1][0] is True and seen[1][1] == pytest.approx(6.3)
 
 
 def test_pid_when_the_time_constant_is_zero_then_leaves_the_integral_out() -> None:

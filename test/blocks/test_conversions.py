@@ -149,11 +149,11 @@ def test_integer_when_written_and_read_then_it_is_the_same(
     assert FUNCTIONS[f'STRING_TO_{type_}'](T.BOOL)(text) == (value, True)
 
 
-@given(st.integers(-2**63 // 10**5 * 10**5, 2**63 - 1).map(lambda ns: ns // 10**5 * 10**5))
+@given(st.integers(0, (2**63 - 1) // 10**5).map(lambda count: count * 10**5))
 def test_duration_when_written_and_read_then_it_is_the_same(value: int) -> None:
     """Milliseconds are written with six digits: what is finer than 0.1 ms may be lost."""
-    text, _ = FUNCTIONS['TIME_TO_STRING'](T.BOOL)(abs(value))
-    assert FUNCTIONS['STRING_TO_TIME'](T.BOOL)(text) == (abs(value), True)
+    text, _ = FUNCTIONS['TIME_TO_STRING'](T.BOOL)(value)
+    assert FUNCTIONS['STRING_TO_TIME'](T.BOOL)(text) == (value, True)
 
 
 @given(st.integers(0, 9999))

@@ -40,7 +40,7 @@ def ctd(scans: Sequence[tuple[bool, bool, int]]) -> list[tuple[object, ...]]:
 def ctud(scans: Sequence[tuple[bool, bool, bool, bool, int]]) -> list[tuple[object, ...]]:
     """Return (QU, QD, CV) after each scan of (CU, CD, R, LD, PV)."""
     state: tuple[object, ...] = (False, False, 0, False, False)
-    seen = []
+    seen: list[tuple[object, ...]] = []
     for scan in scans:
         state = FUNCTION_BLOCKS['CTUD'](0, *scan, *state)
         seen.append(state[:3])

@@ -26,7 +26,7 @@ from ladder_ros.model.types import (
 )
 
 T = DataType
-ANY = T.BOOL  # the row has no tied generic pin: the type of the call says nothing
+ANY = T.WORD  # stands for any: the row has no tied generic pin
 MAX64 = 2**63 - 1
 INF, NAN = math.inf, math.nan
 LONG = 'x' * STRING_LIMIT
@@ -39,11 +39,12 @@ def fine(type_: DataType, *inputs: Value, out: Value) -> Example:
 
 
 def wrong(type_: DataType, *inputs: Value) -> Example:
-    """Expect zero and not ok; rows without a type here give strings or, as durations, TIME."""
+    """Expect zero and not ok; rows without a type of the call here give strings."""
     return type_, inputs, default_value(T.STRING if type_ is ANY else type_), False
 
 
 def unsound(*inputs: Value) -> Example:
+    """Expect no duration."""
     return ANY, inputs, 0, False
 
 
@@ -139,7 +140,7 @@ EXAMPLES: dict[str, list[Example]] = {
               fine(T.TIME, -1, 0, 1, out=0)],
     'MUX': [fine(T.INT, 0, 10, 20, 30, out=10), fine(T.INT, 2, 10, 20, 30, out=30),
             wrong(T.INT, 3, 10, 20, 30), wrong(T.STRING, -1, 'a', 'b'),
-            wrong(T.BOOL, 2, True, True)[:2] + (False, False)],
+            wrong(T.BOOL, 2, True, True)],
     'LEN': [fine(T.INT, '', out=0), fine(T.INT, 'abc', out=3), fine(T.SINT, LONG, out=-2)],
     'LEFT': [fine(ANY, 'abc', 2, out='ab'), fine(ANY, 'abc', 9, out='abc'),
              fine(ANY, '', 1, out=''), fine(ANY, 'abc', 0, out=''), wrong(ANY, 'abc', -1)],
@@ -163,7 +164,8 @@ EXAMPLES: dict[str, list[Example]] = {
 }
 EXAMPLES['MUL_TIME'] = EXAMPLES['MULTIME'] = [
     fine(ANY, 1500 * NS_PER_MS, 3, out=4500 * NS_PER_MS),
-    fine(ANY, NS_PER_S, 0.7, out=700 * NS_PER_MS), fine(ANY, -NS_PER_S, 1.5, out=-1500 * NS_PER_MS),
+    fine(ANY, NS_PER_S, 0.7, out=700 * NS_PER_MS),
+    fine(ANY, -NS_PER_S, 1.5, out=-1500 * NS_PER_MS),
     fine(ANY, MAX64, 2, out=-2), unsound(MAX64, 2.0), unsound(1, INF), unsound(1, NAN),
     fine(ANY, 0, 1e300, out=0),
 ]
