@@ -28,7 +28,7 @@ class SymbolVertex:
     (``i1/2/c3``: component c3 of rung 2 of instance i1).  ``resolved`` refers to names of the POU
     that the graph belongs to; ``instance`` is the block's or composite's instance there, and
     ``memory`` the hidden variable of an edge contact or coil.  In imported drawings ``prelude`` is
-    what is executed first, ``is_block`` tells that the instance is an imported POU, and ``touches``
+    what is executed first, ``body`` the code of an EXECUTE box, ``is_block`` tells that the instance is an imported POU, and ``touches``
     is what that may read and write outside.
     """
 
@@ -39,6 +39,7 @@ class SymbolVertex:
     instance: str = ''
     memory: Ref | None = None
     prelude: tuple[Instruction, ...] = ()
+    body: tuple[Instruction, ...] = ()
     is_block: bool = False
     touches: tuple[Operand, ...] = ()
 
@@ -50,10 +51,18 @@ def describe_symbol(symbol: SymbolVertex) -> str:
     """Return what the component is, with the operand that it has in this graph's POU."""
     component = symbol.component
     if isinstance(component, (Contact, Coil)):
-        return describe(replace(component, operand=str(symbol.resolved.operand)))
+        return describe(replace(component, operand=operand_text(symbol)))
     if isinstance(component, (Block, Instance)):
         return describe(replace(component, instance=symbol.instance))
     return describe(component)
+
+
+def operand_text(symbol: SymbolVertex) -> str:
+    """Return a contact's or coil's operand in this graph's POU; an expression as it was written."""
+    text = str(symbol.resolved.operand)
+    if text.startswith('%T') and isinstance(symbol.component, (Contact, Coil)):
+        return symbol.component.operand
+    return text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,9 +166,9 @@ def reads_and_writes(symbol: SymbolVertex) -> tuple[tuple[Operand, ...], tuple[O
     component = symbol.component
     before = tuple(_prelude_reads(symbol))
     operands = before + tuple(operand for _, operand in resolved.inputs)
-    if isinstance(component, Block):
+    if isinstance(component, Block) and not symbol.body:
         return operands, tuple(ref for _, ref in resolved.outputs)
-    if isinstance(component, Instance):
+    if isinstance(component, (Block, Instance)):
         return operands + symbol.touches, operands + symbol.touches
     assert resolved.operand is not None
     if isinstance(component, Contact):

@@ -3,8 +3,9 @@
 """Calls in Structured Text: arguments to pins and parameters, and the user's own POUs.
 
 A user's POU is called by copying its inputs into the instance's variables, running its routine
-and copying its outputs; in-out parameters are bound by reference.  A function has a hidden
-instance for each place that calls it, whose variables start afresh.
+and copying its outputs.  In-out parameters are bound by reference; where one instance is called
+with several variables, or with an element found at run time, they go through hidden variables.  A
+function has a hidden instance for each place that calls it, whose variables start afresh.
 """
 
 from __future__ import annotations
@@ -186,7 +187,7 @@ def user_call(
     """Emit a call of a user's function; return where its result is."""
     instance = emitter.lowering.call_instance()
     emitter.code += fresh_start(composite, instance)
-    run(emitter, composite, instance, arguments, location)
+    run(emitter, composite, instance, arguments, location, is_only=True)
     for parameter in composite.parameters:
         type_ = elementary(parameter.type)
         is_result = (parameter.direction is Direction.OUTPUT
@@ -218,10 +219,14 @@ def _reset(path: str, type_: Type, initial: object) -> list[Instruction]:
 
 def run(
     emitter: Emitter, composite: Composite, instance: str, arguments: Sequence[CallArgument],
-    location: Location,
+    location: Location, *, is_only: bool,
 ) -> None:
-    """Emit a call of a user's POU: copy inputs, run the routine, copy outputs."""
+    """Emit a call of a user's POU: copy inputs, run the routine, copy outputs.
+
+    ``is_only`` says that nothing else calls the instance.
+    """
     bindings: list[tuple[str, Operand]] = []
+    back: list[Instruction] = []
     enabled: Operand | None = None
     outputs: list[tuple[CallArgument, Parameter | None]] = []
     place = 0
@@ -235,7 +240,8 @@ def run(
         if argument.target is not None:
             outputs.append((argument, parameter))
         elif parameter is not None and parameter.direction is Direction.INOUT:
-            bindings.append(_by_reference(emitter, parameter, argument))
+            bindings.append(_bind_inout(
+                emitter, instance, parameter, argument, back, is_only=is_only))
         elif parameter is not None and argument.value is not None:
             _copy_in(emitter, f'{instance}.{parameter.name}', parameter, argument.value)
     bound = {name.casefold() for name, _ in bindings}
@@ -249,6 +255,7 @@ def run(
     emitter.code.append(Instruction(op=Op.RUN, call=Call(
         name=composite.name, instance=instance, inputs=tuple(bindings))))
     emitter.emit(Op.DRP)
+    emitter.code += back
     for argument, parameter in outputs:
         _copy_out(emitter, instance, parameter, argument, power)
 
@@ -281,27 +288,33 @@ def _parameter(
     return found
 
 
-def _by_reference(
-    emitter: Emitter, parameter: Parameter, argument: CallArgument,
+def _bind_inout(
+    emitter: Emitter, instance: str, parameter: Parameter, argument: CallArgument,
+    back: list[Instruction], *, is_only: bool,
 ) -> tuple[str, Operand]:
-    """Bind an in-out parameter to a variable, which must be there before the program runs."""
+    """Bind an in-out parameter to a variable, or to a copy which ``back`` then copies back."""
     variable = argument.value
-    reason = 'an in-out parameter needs a variable'
+    place = None
     if isinstance(variable, VariableExpression):
         place = emitter.target_place(variable)
-        if not place.dimensions and place.bit is None and not isinstance(
-            place.type, (BlockKind, Composite)
-        ):
-            type_ = elementary(place.type)
-            if place.type != parameter.type and type_ is not elementary(parameter.type):
-                emitter.lowering.report(
-                    'L0204', argument.location, name=shown(variable),
-                    actual=type_name(place.type), expected=type_name(parameter.type))
-                raise Wrong
-            return parameter.name, Ref(path=place.path, type=type_ or DataType.BOOL)
-        reason = 'an in-out parameter needs a variable whose place does not change'
-    emitter.lowering.report('L0211', argument.location, name=parameter.name, reason=reason)
-    raise Wrong
+    if place is None or place.bit is not None or isinstance(place.type, (BlockKind, Composite)):
+        emitter.lowering.report('L0211', argument.location, name=parameter.name,
+                                reason='an in-out parameter needs a variable')
+        raise Wrong
+    type_ = elementary(place.type)
+    if place.type != parameter.type and (type_ is None or type_ is not elementary(parameter.type)):
+        emitter.lowering.report(
+            'L0204', argument.location, name=f'what is given to {parameter.name}',
+            actual=type_name(place.type), expected=type_name(parameter.type))
+        raise Wrong
+    if is_only and not place.dimensions:
+        return parameter.name, Ref(path=place.path, type=type_ or DataType.BOOL)
+    path = f'%data.{instance}.{parameter.name}'
+    for suffix, leaf, _ in leaves(place.type):
+        part, copy = emitter.part(place, suffix, leaf), Ref(path=path + suffix, type=leaf)
+        emitter.move(part, copy)
+        back.append(Instruction(op=Op.MOV, operand=copy, target=part))
+    return parameter.name, Ref(path=path, type=type_ or DataType.BOOL)
 
 
 def _copy_in(

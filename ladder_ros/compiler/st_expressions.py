@@ -11,7 +11,7 @@ Fails:  ``name + 1`` where name is a STRING (L0220).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import gcd
 
@@ -20,13 +20,21 @@ from typing_extensions import assert_never
 from ladder_ros.compiler.il import Call, Instruction, Op
 from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.st_calls import bind, Bound, Slotted, user_call
-from ladder_ros.compiler.st_places import find_place, Place, report_unknown, shown, Wrong
+from ladder_ros.compiler.st_places import (
+    described,
+    find_place,
+    Place,
+    report_unknown,
+    shown,
+    Wrong,
+)
 from ladder_ros.compiler.st_values import (
-    common_type,
+    joined_type,
     Number,
     OnStack,
     read_literal,
     Value,
+    value_type,
     WIDER,
 )
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target
@@ -106,13 +114,7 @@ def type_of(expression: Expression, lowering: Lowering) -> DataType | None:
         value = emitter.value(expression, None)
     except Wrong:
         return None
-    return _type(value)
-
-
-def _type(value: Value) -> DataType | None:
-    if isinstance(value, Number):
-        return None
-    return DataType.BOOL if isinstance(value, OnStack) else value.type
+    return value_type(value)
 
 
 @dataclass(slots=True, kw_only=True)
@@ -138,12 +140,12 @@ class ExpressionEmitter:
         Raises :class:`Wrong` after reporting what is wrong.
         """
         value = self.value(expression, expected)
-        return self.coerce(value, expected, expression.location, _text(expression))
+        return self.coerce(value, expected, expression.location, described(expression))
 
     def condition(self, expression: Expression) -> None:
         """Emit a BOOL expression; push its value."""
         value = self.value(expression, DataType.BOOL)
-        self.push(value, expression.location, _text(expression))
+        self.push(value, expression.location, described(expression))
 
     def source_place(self, variable: VariableExpression) -> Place:
         """Return a place that is read, be it elementary or not."""
@@ -254,9 +256,9 @@ class ExpressionEmitter:
 
     def _subscript(self, expression: Expression) -> Operand:
         value = self.value(expression, DataType.INT)
-        operand = self.coerce(value, None, expression.location, _text(expression))
+        operand = self.coerce(value, None, expression.location, described(expression))
         if operand.type not in INTEGER_RANGE:
-            self.lowering.report('L0204', expression.location, name=_text(expression),
+            self.lowering.report('L0204', expression.location, name=described(expression),
                                  actual=operand.type, expected='an integer')
             raise Wrong
         if not isinstance(operand, Element):
@@ -318,10 +320,10 @@ class ExpressionEmitter:
             return self._not(value, expression)
         if isinstance(value, Number):
             return Number(value=-value.value) if expression.operator == '-' else value
-        type_ = _type(value)
+        type_ = value_type(value)
         assert type_ is not None
         if isinstance(value, OnStack) or not (type_.is_number or type_ is DataType.TIME):
-            self.lowering.report('L0204', expression.location, name=_text(expression.operand),
+            self.lowering.report('L0204', expression.location, name=described(expression.operand),
                                  actual=type_, expected='a number')
             raise Wrong
         if expression.operator == '+':
@@ -333,9 +335,9 @@ class ExpressionEmitter:
         return self.function('SUB', type_, (('IN1', zero), ('IN2', value)))
 
     def _not(self, value: Value, expression: UnaryExpression) -> Value:
-        type_ = _type(value)
+        type_ = value_type(value)
         if isinstance(value, Number) or type_ is DataType.BOOL:
-            self.push(value, expression.location, _text(expression.operand))
+            self.push(value, expression.location, described(expression.operand))
             last = self.code[-1]
             if last.op is Op.LD:
                 self.code[-1] = replace(last, op=Op.LDN)
@@ -343,7 +345,7 @@ class ExpressionEmitter:
                 self.emit(Op.NOT)
             return _ON_STACK
         if type_ not in BIT_STRINGS:
-            self.lowering.report('L0204', expression.location, name=_text(expression.operand),
+            self.lowering.report('L0204', expression.location, name=described(expression.operand),
                                  actual=type_, expected='BOOL or a bit string')
             raise Wrong
         assert not isinstance(value, OnStack)
@@ -362,10 +364,10 @@ class ExpressionEmitter:
         return value
 
     def _operator(self, left: Value, node: BinaryExpression, expected: DataType | None) -> Value:
-        if node.operator in ('AND', 'OR') and _type(left) is DataType.BOOL:
+        if node.operator in ('AND', 'OR') and value_type(left) is DataType.BOOL:
             return self._logic(left, node)
         if isinstance(left, OnStack):
-            left = self.coerce(left, DataType.BOOL, node.location, _text(node.left))
+            left = self.coerce(left, DataType.BOOL, node.location, described(node.left))
         if isinstance(left, Element):
             # What follows may change the array, and code between reads at another time.
             result = self.lowering.temporary(left.type)
@@ -373,19 +375,19 @@ class ExpressionEmitter:
             left = result
         right = self.value(node.right, expected)
         if isinstance(right, OnStack):
-            right = self.coerce(right, DataType.BOOL, node.location, _text(node.right))
+            right = self.coerce(right, DataType.BOOL, node.location, described(node.right))
         name = _FUNCTION[node.operator]
-        if node.operator == 'XOR' and DataType.BOOL in (_type(left), _type(right)):
+        if node.operator == 'XOR' and DataType.BOOL in (value_type(left), value_type(right)):
             name = 'NE'
         bound = Bound(kind=CATALOGUE[name], inputs=(
             ('IN1', left, node.left), ('IN2', right, node.right)))
         return self._standard(bound, node.operator, expected, node.location)
 
     def _logic(self, left: Value, node: BinaryExpression) -> Value:
-        self.push(left, node.location, _text(node.left))
+        self.push(left, node.location, described(node.left))
         before = len(self.code)
         right = self.value(node.right, DataType.BOOL)
-        self.push(right, node.right.location, _text(node.right))
+        self.push(right, node.right.location, described(node.right))
         if len(self.code) == before + 1 and self.code[-1].op in (Op.LD, Op.LDN):
             negation = 'N' if self.code[-1].op is Op.LDN else ''
             self.code[-1] = replace(self.code[-1], op=Op(node.operator + negation))
@@ -413,7 +415,7 @@ class ExpressionEmitter:
         for pin_name, value, expression in bound.inputs:
             wanted = self._pin_type(kind.input(pin_name), value, type_)
             inputs.append((pin_name, self.coerce(
-                value, wanted, expression.location, _text(expression))))
+                value, wanted, expression.location, described(expression))))
         out = kind.output('OUT')
         assert out is not None
         result = out.type if isinstance(out.type, DataType) else type_
@@ -439,10 +441,10 @@ class ExpressionEmitter:
             pin = kind.input(pin_name)
             if pin is not None and pin.tied and isinstance(pin.type, Generic):
                 tied.append(value)
-        found = _joined(tied, expected, generic) if tied else (
+        found = joined_type(tied, expected, generic) if tied else (
             expected if expected is not None and generic.admits(expected) else kind.default_type)
         if found is None:
-            types = [str(_type(value) or 'a number') for value in tied]
+            types = [str(value_type(value) or 'a number') for value in tied]
             self.lowering.report(
                 'L0220', location, name=shown_name,
                 reason=f'{" and ".join(types)} given, {generic.value} needed'
@@ -457,7 +459,7 @@ class ExpressionEmitter:
             return pin.type
         if pin.tied:
             return type_
-        return _joined([value], None, pin.type)
+        return joined_type([value], None, pin.type)
 
     def function(
         self, name: str, type_: DataType, inputs: tuple[tuple[str, Operand], ...],
@@ -536,33 +538,13 @@ class ExpressionEmitter:
             'SEL', DataType.LINT, (('G', inside), ('IN0', outside), ('IN1', total))), last
 
 
-def _text(expression: Expression) -> str:
-    """Return a short text for an expression in a message."""
-    match expression:
-        case LiteralExpression():
-            return expression.text
-        case VariableExpression():
-            return shown(expression)
-        case CallExpression():
-            return f'{expression.name}(...)'
-        case UnaryExpression():
-            inner = expression.operand
-            space = ' ' if expression.operator == 'NOT' else ''
-            if isinstance(inner, (LiteralExpression, VariableExpression)):
-                return expression.operator + space + _text(inner)
-            return f'{expression.operator}{space}(...)'
-        case BinaryExpression():
-            return f'... {expression.operator} ...'
-    assert_never(expression)
-
-
 def _compares(node: BinaryExpression) -> bool:
     return node.operator in ('=', '<>', '<', '>', '<=', '>=')
 
 
 def _with_durations(bound: Bound) -> Bound:
     """Take the row for durations where a TIME is multiplied or divided by a number."""
-    types = [_type(value) for _, value, _ in bound.inputs]
+    types = [value_type(value) for _, value, _ in bound.inputs]
     if not bound.kind.time_row or DataType.TIME not in types or len(types) != 2:
         return bound
     if types[0] is types[1]:
@@ -575,32 +557,3 @@ def _with_durations(bound: Bound) -> Bound:
     return replace(bound, kind=kind, inputs=tuple(
         (name, value, expression)
         for name, (_, value, expression) in zip(names, values, strict=True)))
-
-
-def _joined(
-    values: Sequence[Value], expected: DataType | None, generic: Generic,
-) -> DataType | None:
-    """Return the one type that the values take together, or None if there is none."""
-    found: DataType | None = None
-    for value in values:
-        type_ = _type(value)
-        if type_ is not None:
-            found = type_ if found is None else common_type(found, type_)
-            if found is None:
-                return None
-    numbers = [value for value in values if isinstance(value, Number)]
-    if found is None and expected is not None and generic.admits(expected) and all(
-        number.literal(expected) is not None for number in numbers
-    ):
-        return expected
-    for number in numbers:
-        if found is None:
-            found = number.natural()
-        elif number.literal(found) is None:
-            found = common_type(found, number.natural())
-            if found is None:
-                return None
-    if found is None or generic.admits(found):
-        return found
-    wider = [type_ for type_ in generic.members if type_ in WIDER[found]]
-    return max(wider, key=lambda type_: len(WIDER[type_]), default=None)

@@ -20,7 +20,16 @@ from ladder_ros.diagnostics import Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.derived import Array, elementary, leaf_count, Structure, Type
 from ladder_ros.model.program import Composite, Direction
-from ladder_ros.model.st import Expression, Field, Index, VariableExpression
+from ladder_ros.model.st import (
+    BinaryExpression,
+    CallExpression,
+    Expression,
+    Field,
+    Index,
+    LiteralExpression,
+    UnaryExpression,
+    VariableExpression,
+)
 from ladder_ros.model.types import DataType, INTEGER_RANGE
 
 Subscript = Callable[[Expression], Operand]
@@ -87,6 +96,26 @@ def shown(variable: VariableExpression) -> str:
     """Return a variable expression as text, its subscripts left out."""
     return variable.name + ''.join(
         f'.{a.name}' if isinstance(a, Field) else '[...]' for a in variable.accessors)
+
+
+def described(expression: Expression) -> str:
+    """Return a short text for an expression in a message."""
+    match expression:
+        case LiteralExpression():
+            return expression.text
+        case VariableExpression():
+            return shown(expression)
+        case CallExpression():
+            return f'{expression.name}(...)'
+        case UnaryExpression():
+            inner = expression.operand
+            space = ' ' if expression.operator == 'NOT' else ''
+            if isinstance(inner, (LiteralExpression, VariableExpression)):
+                return expression.operator + space + described(inner)
+            return f'{expression.operator}{space}(...)'
+        case BinaryExpression():
+            return f'... {expression.operator} ...'
+    assert_never(expression)
 
 
 def report_unknown(variable: VariableExpression, lowering: Lowering) -> Wrong:

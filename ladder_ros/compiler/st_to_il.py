@@ -9,6 +9,7 @@ Loops are LOOP ... BRK ... POOL; that none of them runs for ever is the backends
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -55,7 +56,9 @@ def lower_statements(
     statements: Sequence[Statement], lowering: Lowering,
 ) -> tuple[Instruction, ...]:
     """Return the code of a body in Structured Text; problems go into ``lowering``."""
-    emitter = _Statements(emitter=ExpressionEmitter(lowering=lowering))
+    emitter = _Statements(
+        emitter=ExpressionEmitter(lowering=lowering),
+        calls=Counter(name.casefold() for name in called_functions(tuple(statements))))
     emitter.all(statements)
     return tuple(emitter.emitter.code)
 
@@ -63,6 +66,7 @@ def lower_statements(
 @dataclass(slots=True, kw_only=True)
 class _Statements:
     emitter: ExpressionEmitter
+    calls: Counter[str]
     loops: int = 0
 
     @property
@@ -157,7 +161,8 @@ class _Statements:
         elif isinstance(callee.type, BlockKind):
             self._function_block(callee, callee.type, statement)
         elif isinstance(callee.type, Composite):
-            run(self.emitter, callee.type, callee.path, statement.arguments, statement.location)
+            run(self.emitter, callee.type, callee.path, statement.arguments, statement.location,
+                is_only=self.calls[statement.target.name.casefold()] == 1)
         else:
             self.lowering.report(
                 'L0204', statement.location, name=shown(statement.target), actual='a variable',

@@ -7,12 +7,14 @@ Implicit conversions are those of IEC 61131-3 edition 3, figure 12: nothing is l
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 import math
 import re
 
 from ladder_ros.compiler.symbols import Literal, Operand
+from ladder_ros.model.catalogue import Generic
 from ladder_ros.model.types import DataType, INTEGER_RANGE, parse_literal, round_real
 
 _T = DataType
@@ -80,6 +82,45 @@ class OnStack:
 
 
 Value = Operand | Number | OnStack
+
+def value_type(value: Value) -> DataType | None:
+    """Return the type of a value; None for a number without type."""
+    if isinstance(value, Number):
+        return None
+    return DataType.BOOL if isinstance(value, OnStack) else value.type
+
+
+def joined_type(
+    values: Sequence[Value], expected: DataType | None, generic: Generic,
+) -> DataType | None:
+    """Return the one type that values take together, or None if there is none.
+
+    It is one that ``generic`` admits; ``expected`` is that of numbers without type alone.
+    """
+    found: DataType | None = None
+    for value in values:
+        type_ = value_type(value)
+        if type_ is not None:
+            found = type_ if found is None else common_type(found, type_)
+            if found is None:
+                return None
+    numbers = [value for value in values if isinstance(value, Number)]
+    if found is None and expected is not None and generic.admits(expected) and all(
+        number.literal(expected) is not None for number in numbers
+    ):
+        return expected
+    for number in numbers:
+        if found is None:
+            found = number.natural()
+        elif number.literal(found) is None:
+            found = common_type(found, number.natural())
+            if found is None:
+                return None
+    if found is None or generic.admits(found):
+        return found
+    wider = [type_ for type_ in generic.members if type_ in WIDER[found]]
+    return max(wider, key=lambda type_: len(WIDER[type_]), default=None)
+
 
 _REAL = re.compile(r'[0-9][0-9_]*(?:\.[0-9_]+(?:E[-+]?[0-9]+)?|E[-+]?[0-9]+)$', re.IGNORECASE)
 _TYPED = re.compile(r'([A-Z]+)#', re.IGNORECASE)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from ladder_ros.compiler.aov import SymbolVertex
+from ladder_ros.compiler.aov import operand_text, SymbolVertex
 from ladder_ros.compiler.tree import And, Forest, Fork, Leaf, Load, Or, Pin, Save, Tree, Wire
 from ladder_ros.model.component import (
     Argument,
@@ -213,7 +213,7 @@ def _drawn(leaf: Leaf, place: Placement) -> Component:
     symbol: SymbolVertex = leaf.symbol
     component = symbol.component
     if isinstance(component, (Contact, Coil)):
-        return replace(component, placement=place, operand=str(symbol.resolved.operand))
+        return replace(component, placement=place, operand=operand_text(symbol))
     assert isinstance(component, (Block, Instance))
     arguments = [Argument(pin=pin, operand=str(operand))
                  for pin, operand in symbol.resolved.inputs]

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from ladder_ros.compiler.aov import SymbolVertex
 from ladder_ros.compiler.il import Call, Instruction, Network, Op, temporary
 from ladder_ros.compiler.symbols import Literal, Operand, Ref
 from ladder_ros.compiler.tree import (
@@ -31,6 +32,9 @@ from ladder_ros.compiler.tree import (
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import Block, Coil, CoilKind, Contact, ContactKind, Instance
 from ladder_ros.model.types import DataType
+
+_EXECUTE = 200_000
+"""Temporaries of EXECUTE boxes count from here."""
 
 _TRUE = Literal(value=True, type=DataType.BOOL)
 _SUFFIX = {
@@ -200,6 +204,8 @@ def _transfer_instructions(leaf: Leaf) -> list[Instruction]:
     assert isinstance(component, Block)
     if component.type == '%NOT':
         return [Instruction(op=Op.NOT, component=symbol.path)]
+    if component.statements:
+        return _execute(symbol)
     kind = CATALOGUE[component.type.upper()]
     bound: dict[str, Operand] = dict(symbol.resolved.inputs)
     bound.update((pin, temporary(number)) for pin, number in leaf.power_pins)
@@ -210,6 +216,14 @@ def _transfer_instructions(leaf: Leaf) -> list[Instruction]:
                 inputs=inputs, outputs=symbol.resolved.outputs)
     return [Instruction(
         op=Op.FUN if kind.is_function else Op.CAL, call=call, component=symbol.path)]
+
+
+def _execute(symbol: SymbolVertex) -> list[Instruction]:
+    """Return the code of an EXECUTE box; the power that enters it leaves it too."""
+    power = temporary(_EXECUTE + symbol.id)
+    return [Instruction(op=Op.ST, operand=power), Instruction(op=Op.IF), *symbol.body,
+            Instruction(op=Op.FI),
+            Instruction(op=Op.LD, operand=power, component=symbol.path)]
 
 
 def _further(pin: str) -> int:

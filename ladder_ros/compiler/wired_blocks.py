@@ -119,6 +119,8 @@ class WiredBlocks:
         """Return what a block of the drawing calls; None (reported once) if it is unknown."""
         if not isinstance(component, (Block, Instance)):
             return None
+        if isinstance(component, Block) and component.statements:
+            return None
         if component.id not in self.callees:
             self.callees[component.id] = self._find_callee(component)
         return self.callees[component.id]

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from ladder_ros.compiler.aov import Aov, Arc, SymbolVertex, VirtualVertex
 from ladder_ros.compiler.il import Instruction
 from ladder_ros.compiler.lowering import Lowering
+from ladder_ros.compiler.st_to_il import lower_statements
 from ladder_ros.compiler.symbols import edge_memory, Operand, Ref, Resolved, Target
 from ladder_ros.compiler.wired_blocks import WiredBlocks
 from ladder_ros.compiler.wires_to_order import connect, Connections, order_components
@@ -159,20 +160,34 @@ class _Builder:
             inputs=(('IN', value),), outputs=(('OUT', target),), type=target.type)
         self._symbol(move, resolved, (*more, *prelude), [guard or Port()])
 
+    def _execute(self, component: Block) -> None:
+        """An EXECUTE box: statements that are executed while EN is TRUE."""
+        body = lower_statements(component.statements, self.lowering)
+        pins = self.connections.pins.get(component.id, ())
+        sources = [port for pin in pins for port in self.connections.sources[component.id, pin]]
+        touched: list[Operand] = []
+        for instruction in body:
+            touched += [o for o in (instruction.operand, instruction.target) if o is not None]
+            if instruction.call is not None:
+                touched += [o for _, o in (*instruction.call.inputs, *instruction.call.outputs)]
+        self._symbol(component, Resolved(), (), sources or [Port()], body=body,
+                     touches=tuple(touched))
+
     def _block(self, component: Block | Instance) -> None:
+        if isinstance(component, Block) and component.statements:
+            self._execute(component)
+            return
         callee = self.blocks.callee(component)
         if callee is None:
             return
         call = self.blocks.call(component, callee, self._is_power)
         modifiers = {modifier.pin.casefold(): modifier for modifier in component.modifiers}
-        before = len(self.symbols)
         taken: list[tuple[str, list[_Giver]]] = []
         for pin, sources in call.powered:
             givers = [self._giver(port, component) for port in sources]
             taken.append(('' if pin == call.main else pin, [
                 self._modified(giver, component, pin, modifiers.get(pin.casefold()))
                 for giver in self._joined(givers, modifiers.get(pin.casefold()))]))
-        del before
         number = self._symbol(
             component, call.resolved, call.prelude, [], instance=call.instance,
             is_block=call.is_composite, touches=call.touches)
@@ -260,7 +275,7 @@ class _Builder:
     def _symbol(
         self, component: Component, resolved: Resolved, prelude: tuple[Instruction, ...],
         sources: Sequence[Port], *, instance: str = '', is_block: bool = False,
-        touches: tuple[Operand, ...] = (),
+        touches: tuple[Operand, ...] = (), body: tuple[Instruction, ...] = (),
     ) -> int:
         owner = self.blocks.components.get(component.id, component)
         givers = [self._giver(port, owner) for port in sources]
@@ -273,7 +288,7 @@ class _Builder:
         self.symbols.append(SymbolVertex(
             id=number, path=component.id, component=component, resolved=resolved,
             instance=instance, memory=memory, prelude=prelude, is_block=is_block,
-            touches=touches))
+            touches=touches, body=body))
         self.vertex.setdefault(component.id, number)
         self.feeds += [(giver, number, '') for giver in givers]
         return number

@@ -334,20 +334,25 @@ class _Reader:
         if not type_:
             self.report.add('L0133', part.location, what='a block',
                             help='name the type of the block in the editor')
-        yield from self.pin_values(part)
-        if user is not None:
+        yield from self.pin_values(part, part.pins.inputs)
+        if user is None:
+            yield self.simple_block(part, type_, modifiers)
+        else:
             yield Instance(
                 id=part.id, placement=part.placement, composite=user.name, modifiers=modifiers,
-                instance='' if user.is_function else self.instance(part, type_),
-                location=part.location)
-            return
+                instance=self.user_instance(part, user), location=part.location)
+        yield from self.pin_values(part, part.pins.outputs)
+
+    def simple_block(
+        self, part: _Part, type_: str, modifiers: tuple[PinModifier, ...],
+    ) -> Block:
         kind = CATALOGUE.get(type_.upper())
         instance = part.element.attributes.get('instanceName', '').strip()
         if kind is not None:
             instance = '' if kind.is_function else self.instance(part, type_)
         code = vendor_data(part.element, '/stcode')
         listed = kind is None and code is None
-        yield Block(
+        return Block(
             id=part.id, placement=part.placement, type=kind.name if kind else type_,
             instance=instance, modifiers=modifiers, location=part.location,
             inputs=self.listing(part.pins.inputs) if listed else (),
@@ -359,6 +364,12 @@ class _Reader:
         """Return the pins of a block that is not known: arguments without a value."""
         return tuple(
             Argument(pin=pin.name, location=self.report.at(pin.element)) for pin in pins)
+
+    def user_instance(self, part: _Part, user: Signature) -> str:
+        """Return the instance name: a function has none, a program that is called has its own."""
+        if user.is_function:
+            return ''
+        return user.name if user.is_program else self.instance(part, user.name)
 
     def instance(self, part: _Part, type_: str) -> str:
         name = part.element.attributes.get('instanceName', '').strip()
@@ -381,26 +392,25 @@ class _Reader:
             pin=pin.name, negated=_flag(pin.element, 'negated'),
             edge=edges.get(edge, PinEdge.NONE))
 
-    def pin_values(self, part: _Part) -> Iterator[Component]:
+    def pin_values(self, part: _Part, pins: list[Pin]) -> Iterator[Component]:
         """Yield variables for the expressions that are written at the pins themselves."""
-        for pins, tag in ((part.pins.inputs, 'connectionPointIn'),
-                          (part.pins.outputs, 'connectionPointOut')):
-            for pin in pins:
-                point = child(pin.element, tag)
-                text = self.operand(point, 'expression') if point else ''
-                if not text:
-                    continue
-                end = Port(component=part.id, pin=pin.name)
-                own = Port(component=self.new_id(f'{part.id}.{pin.name}'))
-                operand = self.operands.operand(text, part.location)
-                if tag == 'connectionPointIn':
-                    self.wires[Wire(source=own, target=end)] = None
-                    yield InVariable(id=own.component, placement=part.placement, operand=operand,
-                                     location=part.location)
-                else:
-                    self.wires[Wire(source=end, target=own)] = None
-                    yield OutVariable(id=own.component, placement=part.placement, operand=operand,
-                                      location=part.location)
+        inputs = pins is part.pins.inputs
+        for pin in pins:
+            point = child(pin.element, 'connectionPointIn' if inputs else 'connectionPointOut')
+            text = self.operand(point, 'expression') if point else ''
+            if not text:
+                continue
+            end = Port(component=part.id, pin=pin.name)
+            own = Port(component=self.new_id(f'{part.id}-{pin.name}'))
+            operand = self.operands.operand(text, part.location)
+            if inputs:
+                self.wires[Wire(source=own, target=end)] = None
+                yield InVariable(id=own.component, placement=part.placement, operand=operand,
+                                 location=part.location)
+            else:
+                self.wires[Wire(source=end, target=own)] = None
+                yield OutVariable(id=own.component, placement=part.placement, operand=operand,
+                                  location=part.location)
 
     # -- order ------------------------------------------------------------------------------
 

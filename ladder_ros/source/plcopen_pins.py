@@ -24,6 +24,7 @@ class Signature:
 
     name: str
     is_function: bool
+    is_program: bool
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
 
@@ -57,7 +58,8 @@ class Pins:
 def signature(pou: Element) -> Signature:
     """Return the signature of a POU element."""
     interface = child(pou, 'interface')
-    is_function = pou.attributes.get('pouType', '').casefold() == 'function'
+    kind = pou.attributes.get('pouType', 'program').casefold()
+    is_function = kind == 'function'
     name = pou.attributes.get('name', '')
 
     def names(*sections: str) -> Iterator[str]:
@@ -67,7 +69,9 @@ def signature(pou: Element) -> Signature:
 
     outputs = tuple(names('outputVars', 'inOutVars'))
     return Signature(
-        name=name, is_function=is_function, inputs=tuple(names('inputVars', 'inOutVars')),
+        name=name, is_function=is_function,
+        is_program=not is_function and kind != 'functionblock',
+        inputs=tuple(names('inputVars', 'inOutVars')),
         outputs=(name, *outputs) if is_function else outputs)
 
 
@@ -144,7 +148,10 @@ def _name(pins: list[Pin], known: _Known) -> None:
         if pin.name in _ENABLE:
             continue
         if not pin.name:
-            name = known.placed(index)
+            # A pin that a POU of the project does not have is the compiler's to report.
+            stale = _drawn(pin) and known.user is not None and not (
+                known.outputs and known.user.is_function and index == 0)
+            name = None if stale else known.placed(index)
             if name is None or name in taken:
                 name = _drawn(pin) or f'{"OUT" if known.outputs else "IN"}{index + 1}'
             pin.name = name

@@ -56,8 +56,10 @@ def read_schedule(project: Project, programs: dict[str, Element], report: Report
             report.add('L0142', element, instance=own, program=type_)
             continue
         task = tasks.get(id(instance.task))
-        runs.append(Run(
-            name=_unique(own or type_, names), pou=pou, task='' if task is None else task.name))
+        name = _unique(own or type_, names)
+        if name != (own or type_):
+            report.odd(element, f'a second instance {own}', name)
+        runs.append(Run(name=name, pou=pou, task='' if task is None else task.name))
     if not runs and programs:
         only = next(iter(tasks.values())).name if len(tasks) == 1 else ''
         runs = [

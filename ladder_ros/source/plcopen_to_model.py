@@ -140,7 +140,8 @@ class _Importer:
             raise LadderError([problem('L0134', place)])
         types = Types(project.data_types, frozenset(self.elements), report)
         types.read_all()
-        programs = {key: pou for key, pou in self.elements.items() if _is_program(pou)}
+        programs = {
+            key: pou for key, pou in self.elements.items() if self.signatures[key].is_program}
         schedule = read_schedule(project, programs, report)
         declarations = Declarations(types, report)
         self.globals(declarations)
@@ -150,6 +151,7 @@ class _Importer:
                 self.interface(key, declarations)
         for interface in self.interfaces.values():
             self.externals(interface)
+        self.called_programs(needed - {_key(run.pou) for run in schedule.runs})
         main = self.only_run(schedule)
         pous = {key: self.pou(key, key in needed) for key in self.elements}
         return self.arranged(pous, schedule, main, types, place)
@@ -170,7 +172,7 @@ class _Importer:
 
     def needed(self, schedule: Schedule) -> set[str]:
         """Return the POUs that something may run: those whose names what runs mentions."""
-        waiting = [run.pou.attributes['name'].strip().casefold() for run in schedule.runs]
+        waiting = [_key(run.pou) for run in schedule.runs]
         waiting += [type_.casefold() for _, type_ in self.blocks.values()]
         found: set[str] = set()
         while waiting:
@@ -179,6 +181,14 @@ class _Importer:
                 found.add(key)
                 waiting += self.words[key]
         return found
+
+    def called_programs(self, keys: set[str]) -> None:
+        """Make an instance, of its own name, of each program that is called like a block."""
+        for key in sorted(keys):
+            declared = self.is_global(key) or any(
+                key in interface.known for interface in self.interfaces.values())
+            if self.signatures[key].is_program and not declared:
+                self.blocks[key] = (self.signatures[key].name, self.signatures[key].name)
 
     # -- globals ----------------------------------------------------------------------------
 
@@ -288,7 +298,7 @@ class _Importer:
     def composite(self, pou: _Pou) -> Composite:
         interface, own = pou.interface, pou.signature
         parameters, variables = tuple(interface.parameters()), tuple(interface.locals())
-        if _is_program(pou.element):
+        if own.is_program:
             parameters, variables = (), tuple(interface.variables())
         elif interface.result is not None:
             parameters += (Parameter(
@@ -322,7 +332,7 @@ class _Importer:
                  place: Location) -> Program:
         variables, blocks = list(self.variables.values()), list(self.blocks.values())
         if main is not None:
-            pou = pous[main.pou.attributes['name'].strip().casefold()]
+            pou = pous[_key(main.pou)]
             variables = [*pou.interface.variables(), *variables]
             blocks = [*pou.interface.blocks, *blocks]
             bodies = [Body(
@@ -347,7 +357,7 @@ class _Importer:
         if len(schedule.runs) != 1:
             return None
         run = schedule.runs[0]
-        key = run.pou.attributes['name'].strip().casefold()
+        key = _key(run.pou)
         interface = self.interfaces[key]
         if not (interface.names.isdisjoint(self.variables)
                 and interface.names.isdisjoint(self.blocks)):
@@ -381,8 +391,8 @@ class _Importer:
         return name if NAME.fullmatch(name) else 'project'
 
 
-def _is_program(pou: Element) -> bool:
-    return pou.attributes.get('pouType', 'program').casefold() not in ('function', 'functionblock')
+def _key(pou: Element) -> str:
+    return pou.attributes['name'].strip().casefold()
 
 
 def _words(element: Element) -> Iterator[str]:

@@ -64,11 +64,14 @@ _COMMENT_EDGE = re.compile(r'\(\*|\*\)')
 _BRACE = re.compile(r'[{}]')
 
 
-def blank_comments(text: str, location: Location = Location(), *, pragmas: bool = True) -> str:
+def blank_comments(
+    text: str, location: Location = Location(), *, pragmas: bool = True, strings: bool = False,
+) -> str:
     """Return the text with spaces instead of comments and pragmas; lines and columns stay.
 
     Comments nest (IEC 61131-3 edition 3) unless that leaves one open.  ``pragmas`` false leaves
-    braces alone.  Raises LadderError: L0120 for a comment without end, L0122 for code in C.
+    braces alone, ``strings`` true blanks texts in quotes too.  Raises LadderError: L0120 for a
+    comment without end, L0122 for code in C.
     """
     parts: list[str] = []
     place, nests = 0, True
@@ -93,7 +96,7 @@ def blank_comments(text: str, location: Location = Location(), *, pragmas: bool 
                 raise _open(text, start, location, 'the pragma { has no }')
             if ';' in text[start:place]:
                 raise LadderError.of('L0122', _line_of(text, start, location))
-        elif not match.group().startswith('//'):
+        elif not match.group().startswith('//') and not strings:
             parts.append(match.group())
             continue
         parts.append(re.sub(r'[^\n]', ' ', text[start:place]))

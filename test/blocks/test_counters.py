@@ -20,7 +20,7 @@ BITS = st.lists(st.booleans(), max_size=40)
 def ctu(scans: Sequence[tuple[bool, bool, int]]) -> list[tuple[object, ...]]:
     """Return (Q, CV) after each scan of (CU, R, PV)."""
     state: tuple[object, ...] = (False, 0, False)
-    seen = []
+    seen: list[tuple[object, ...]] = []
     for scan in scans:
         state = FUNCTION_BLOCKS['CTU'](0, *scan, *state)
         seen.append(state[:2])
@@ -30,7 +30,7 @@ def ctu(scans: Sequence[tuple[bool, bool, int]]) -> list[tuple[object, ...]]:
 def ctd(scans: Sequence[tuple[bool, bool, int]]) -> list[tuple[object, ...]]:
     """Return (Q, CV) after each scan of (CD, LD, PV)."""
     state: tuple[object, ...] = (False, 0, False)
-    seen = []
+    seen: list[tuple[object, ...]] = []
     for scan in scans:
         state = FUNCTION_BLOCKS['CTD'](0, *scan, *state)
         seen.append(state[:2])

@@ -26,7 +26,7 @@ from ladder_ros.model.types import (
 )
 
 T = DataType
-ANY = T.WORD  # stands for any: the row has no tied generic pin
+ANY = T.BOOL  # stands for any: the row has no tied generic pin
 MAX64 = 2**63 - 1
 INF, NAN = math.inf, math.nan
 LONG = 'x' * STRING_LIMIT
@@ -39,12 +39,17 @@ def fine(type_: DataType, *inputs: Value, out: Value) -> Example:
 
 
 def wrong(type_: DataType, *inputs: Value) -> Example:
-    """Expect zero and not ok; rows without a type of the call here give strings."""
-    return type_, inputs, default_value(T.STRING if type_ is ANY else type_), False
+    """Expect the zero of the type, and not ok."""
+    return type_, inputs, default_value(type_), False
+
+
+def refused(*inputs: Value) -> Example:
+    """Expect an empty string, and not ok."""
+    return ANY, inputs, '', False
 
 
 def unsound(*inputs: Value) -> Example:
-    """Expect no duration."""
+    """Expect a duration of zero, and not ok."""
     return ANY, inputs, 0, False
 
 
@@ -143,22 +148,22 @@ EXAMPLES: dict[str, list[Example]] = {
             wrong(T.BOOL, 2, True, True)],
     'LEN': [fine(T.INT, '', out=0), fine(T.INT, 'abc', out=3), fine(T.SINT, LONG, out=-2)],
     'LEFT': [fine(ANY, 'abc', 2, out='ab'), fine(ANY, 'abc', 9, out='abc'),
-             fine(ANY, '', 1, out=''), fine(ANY, 'abc', 0, out=''), wrong(ANY, 'abc', -1)],
+             fine(ANY, '', 1, out=''), fine(ANY, 'abc', 0, out=''), refused('abc', -1)],
     'RIGHT': [fine(ANY, 'abc', 2, out='bc'), fine(ANY, 'abc', 9, out='abc'),
-              fine(ANY, 'abc', 0, out=''), wrong(ANY, 'abc', -1)],
+              fine(ANY, 'abc', 0, out=''), refused('abc', -1)],
     'MID': [fine(ANY, 'abcd', 2, 2, out='bc'), fine(ANY, 'abcd', 9, 4, out='d'),
-            fine(ANY, 'abcd', 1, 5, out=''), wrong(ANY, 'abcd', 1, 0), wrong(ANY, 'abcd', -1, 1)],
+            fine(ANY, 'abcd', 1, 5, out=''), refused('abcd', 1, 0), refused('abcd', -1, 1)],
     'CONCAT': [fine(ANY, 'ab', 'c', 'd', out='abcd'), fine(ANY, '', '', out=''),
                fine(ANY, LONG, 'y', out=LONG)],
     'INSERT': [fine(ANY, 'abc', 'X', 2, out='abXc'), fine(ANY, 'abc', 'X', 0, out='Xabc'),
                fine(ANY, 'abc', 'X', 9, out='abcX'), fine(ANY, LONG, 'y', 0, out='y' + LONG[1:]),
-               wrong(ANY, 'abc', 'X', -1)],
+               refused('abc', 'X', -1)],
     'DELETE': [fine(ANY, 'abcd', 2, 2, out='ad'), fine(ANY, 'abcd', 9, 2, out='a'),
-               fine(ANY, 'abcd', 1, 5, out='abcd'), wrong(ANY, 'abcd', 1, 0),
-               wrong(ANY, 'abcd', -1, 1)],
+               fine(ANY, 'abcd', 1, 5, out='abcd'), refused('abcd', 1, 0),
+               refused('abcd', -1, 1)],
     'REPLACE': [fine(ANY, 'abcd', 'XYZ', 2, 2, out='aXYZd'), fine(ANY, 'abcd', '', 2, 2, out='ad'),
-                fine(ANY, 'abcd', 'X', 1, 9, out='abcdX'), wrong(ANY, 'abcd', 'X', 1, 0),
-                wrong(ANY, 'abcd', 'X', -1, 1)],
+                fine(ANY, 'abcd', 'X', 1, 9, out='abcdX'), refused('abcd', 'X', 1, 0),
+                refused('abcd', 'X', -1, 1)],
     'FIND': [fine(T.INT, 'hello', 'lo', out=4), fine(T.INT, 'aaab', 'aab', out=2),
              fine(T.INT, 'abc', 'd', out=0), fine(T.INT, 'abc', '', out=0)],
 }
