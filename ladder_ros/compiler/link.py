@@ -20,7 +20,16 @@ from ladder_ros.compiler.il import (
     Op,
     Routine,
 )
-from ladder_ros.compiler.symbols import Element, Literal, Operand, pou_key, Ref, substitute, Target
+from ladder_ros.compiler.symbols import (
+    Element,
+    is_address,
+    Literal,
+    Operand,
+    pou_key,
+    Ref,
+    substitute,
+    Target,
+)
 from ladder_ros.compiler.wiring import describe
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.executable import ComponentEntry, Slot
@@ -49,6 +58,11 @@ def link_code(program: Program, code: Code) -> InstructionList:
                 if instruction.op in (Op.EXE, Op.RUN)]))
     routines.sort(key=lambda routine: not routine.is_body)
     return InstructionList(routines=tuple(routines))
+
+
+def is_hidden(path: str) -> bool:
+    """Say whether a path is the compiler's own, of something that belongs to one body."""
+    return path.startswith('%') and not is_address(path)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +100,7 @@ def _place(network: Network, frame: _Pending) -> Network:
     def operand(old: Operand) -> Operand:
         if isinstance(old, Ref) and old.path.startswith('%T'):
             return old
-        if isinstance(old, Ref) and old.path.startswith('%') and not frame.prefix:
+        if isinstance(old, Ref) and is_hidden(old.path) and not frame.prefix:
             # Bodies share the program's names, but not what the compiler adds for their rungs.
             kind, _, rest = old.path.partition('.')
             return Ref(path=f'{kind}.{frame.name}.{rest}', type=old.type)

@@ -69,7 +69,7 @@ class _Resolver:
         self._unique((b.name, b.location) for b in program.bodies)
         self._unique((t.name, t.location) for t in program.tasks)
         for composite in program.composites:
-            if composite.name.upper() in CATALOGUE:
+            if not self.imported and composite.name.upper() in CATALOGUE:
                 self.report('L0201', composite.location, 'a block of the catalogue has this name',
                             name=composite.name)
         tasks = {task.name.casefold() for task in program.tasks}

@@ -11,7 +11,7 @@ import re
 
 from ladder_ros.compiler.symbols import data_slot, Literal, Operand, Ref, Resolved, Scope
 from ladder_ros.diagnostics import InternalError, Location
-from ladder_ros.model.catalogue import BlockKind, CATALOGUE, Generic, Pin
+from ladder_ros.model.catalogue import BASIC_NAMES, BlockKind, CATALOGUE, Generic, Pin
 from ladder_ros.model.component import (
     Argument,
     Block,
@@ -170,7 +170,8 @@ class RungResolver:
     ) -> Iterable[tuple[Argument, Pin]]:
         for argument in (*block.inputs, *block.outputs):
             pin = kind.input(argument.pin) or kind.output(argument.pin)
-            if pin is not None and isinstance(pin.type, Generic) and argument.row is None:
+            if (pin is not None and isinstance(pin.type, Generic) and pin.tied
+                    and argument.row is None):
                 yield argument, pin
 
     def _one_type(
@@ -178,6 +179,8 @@ class RungResolver:
     ) -> DataType | None:
         try:
             candidates = set(types.values()) or {literal_type(text) for text in literals}
+            if not candidates and kind.default_type is not None:
+                candidates = {kind.default_type}
         except ValueError as error:
             self.report('L0205', block.location, literals[0], type='an operand', reason=error)
             return None
@@ -187,7 +190,7 @@ class RungResolver:
                         reason=reason or 'none of them is connected')
             return None
         (type_,) = candidates
-        generics = [p.type for p in kind.inputs if isinstance(p.type, Generic)]
+        generics = [p.type for p in kind.inputs if isinstance(p.type, Generic) and p.tied]
         if not all(generic.admits(type_) for generic in generics):
             self.report('L0220', block.location, name=f'{block.id} ({kind.name})',
                         reason=f'{type_} is none of {generics[0].value}')
@@ -198,7 +201,7 @@ class RungResolver:
     def _block(self, block: Block) -> Resolved | None:
         kind = CATALOGUE.get(block.type.upper())
         if kind is None:
-            self.report('L0208', block.location, name=block.type, known=', '.join(CATALOGUE),
+            self.report('L0208', block.location, name=block.type, known=', '.join(BASIC_NAMES),
                         hint=suggestion(block.type, CATALOGUE))
             return None
         if kind.is_function and block.instance:
@@ -210,7 +213,8 @@ class RungResolver:
                         reason='add instance="..." to name its state')
             return None
         generic = DataType.BOOL
-        if any(isinstance(pin.type, Generic) for pin in kind.inputs):
+        kind = self._at_time(block, kind)
+        if kind.generic is not None:
             found = self._function_type(block)
             if found is None:
                 return None
@@ -219,7 +223,40 @@ class RungResolver:
         outputs = self._outputs(block, kind, generic)
         if inputs is None or outputs is None:
             return None
-        return Resolved(inputs=inputs, outputs=outputs, type=generic, sources=sources)
+        return Resolved(inputs=inputs, outputs=outputs, type=generic, sources=sources,
+                        block=kind.name)
+
+    def _at_time(self, block: Block, kind: BlockKind) -> BlockKind:
+        """Return the row for a duration times or by a number, where that is what is connected."""
+        if not kind.time_row:
+            return kind
+        types = {}
+        for argument in block.inputs:
+            symbol = self.scope.symbols.get(argument.operand.casefold())
+            if symbol is not None:
+                types[argument.pin.upper()] = elementary(symbol.type)
+            elif argument.operand[:2].upper() == 'T#':
+                types[argument.pin.upper()] = DataType.TIME
+        if types.get('IN1') is DataType.TIME and types.get('IN2') is not DataType.TIME:
+            return CATALOGUE[kind.time_row]
+        return kind
+
+    def _untied(self, argument: Argument, generic: Generic) -> DataType | None:
+        """Return the type of a pin that takes any type its generic type admits; or report."""
+        try:
+            if argument.operand and _looks_literal(argument.operand):
+                return literal_type(argument.operand)
+        except ValueError as error:
+            self.report('L0205', argument.location, argument.operand, type='an operand',
+                        reason=error)
+            return None
+        source = self._source(argument) if argument.source else None
+        ref = source[0] if source else self._variable(argument.operand, argument.location)
+        if ref is not None and not generic.admits(ref.type):
+            self.report('L0204', argument.location, name=str(ref), actual=ref.type,
+                        expected=generic.value)
+            return None
+        return ref.type if ref is not None else None
 
     def _inputs(
         self, block: Block, kind: BlockKind, generic: DataType,
@@ -234,6 +271,11 @@ class RungResolver:
                 return None, ()
             assert pin is not None
             type_ = pin.type if isinstance(pin.type, DataType) else generic
+            if isinstance(pin.type, Generic) and not pin.tied and argument.row is None:
+                found = self._untied(argument, pin.type)
+                if found is None:
+                    return None, ()
+                type_ = found
             if argument.row is not None:
                 if type_ is not DataType.BOOL:
                     self.report('L0204', argument.location, name=pin.name, actual='power (BOOL)',
@@ -256,7 +298,7 @@ class RungResolver:
             if operand is None:
                 return None, ()
             bound[pin.name] = operand
-        for pin in kind.inputs:
+        for pin in kind.inputs_for((*bound, *powered)):
             if pin.name in bound or pin.name in powered:
                 continue
             mandatory = pin.default is None or isinstance(pin.type, Generic)

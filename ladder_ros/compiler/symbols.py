@@ -106,6 +106,8 @@ class Resolved:
     inputs: tuple[tuple[str, Operand], ...] = ()
     outputs: tuple[tuple[str, Ref], ...] = ()
     type: DataType = DataType.BOOL
+    block: str = ''
+    """The catalogue's row that a block stands for, if it is another than its name says."""
     sources: tuple[str, ...] = ()
     """Casefolded ids of the components in the rung that direct data connections come from."""
 
@@ -142,6 +144,11 @@ def data_slot(rung: str, component: str, pin: str, type_: DataType) -> Ref:
     return Ref(path=f'%data.{rung}.{component}.{pin}', type=type_)
 
 
+def is_address(path: str) -> bool:
+    """Say whether a path is a located address (%IX0.0): one variable for the whole program."""
+    return path[:1] == '%' and path[1:2].upper() in ('I', 'Q', 'M') and path[:2] != '%T'
+
+
 def _bound(ref: Ref, bindings: Mapping[str, Operand]) -> Operand | None:
     """Return what a parameter, or the aggregate parameter that this is a part of, is bound to."""
     path = ref.path.casefold()
@@ -170,7 +177,7 @@ def substitute(
         index = substitute(operand.index, prefix, bindings)
         assert isinstance(first, Ref) and not isinstance(index, Element)
         return replace(operand, first=first, index=index)
-    if operand.path.startswith('%T'):
+    if operand.path.startswith('%T') or is_address(operand.path):
         return operand
     bound = _bound(operand, bindings)
     return bound if bound is not None else Ref(path=prefix + operand.path, type=operand.type)

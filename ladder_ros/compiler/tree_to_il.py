@@ -206,7 +206,7 @@ def _transfer_instructions(leaf: Leaf) -> list[Instruction]:
         return [Instruction(op=Op.NOT, component=symbol.path)]
     if component.statements:
         return _execute(symbol)
-    kind = CATALOGUE[component.type.upper()]
+    kind = CATALOGUE[symbol.resolved.block or component.type.upper()]
     bound: dict[str, Operand] = dict(symbol.resolved.inputs)
     bound.update((pin, temporary(number)) for pin, number in leaf.power_pins)
     known = [pin.name for pin in kind.inputs]

@@ -150,11 +150,24 @@ class WiredBlocks:
                                  reason='give the block an instance name')
             return None
         wired = {pin.casefold() for pin in self.connections.pins.get(component.id, ())}
+        kind = self._at_time(component, kind)
         main = kind.power_input
         if not kind.is_function and main.casefold() not in wired:
             main = ''
         return Callee(name=kind.name, kind=kind, main=main,
                       instance='' if kind.is_function else component.instance)
+
+    def _at_time(self, block: Block | Instance, kind: BlockKind) -> BlockKind:
+        """Return the row for a duration times or by a number, where that is what is wired."""
+        if not kind.time_row:
+            return kind
+        types = []
+        for pin in ('IN1', 'IN2'):
+            sources = self.connections.sources.get((block.id, pin), ())
+            types.append(self.type_of(sources[0]) if sources else None)
+        if types[0] is DataType.TIME and types[1] is not DataType.TIME:
+            return CATALOGUE[kind.time_row]
+        return kind
 
     def _output_pins(self, component: str) -> list[str]:
         return [port.pin for port in self.takers if port.component == component]
@@ -220,7 +233,7 @@ class WiredBlocks:
         literals: list[DataType] = []
         for pin_name in self.connections.pins.get(block.id, ()):
             pin = kind.input(pin_name)
-            if pin is None or not isinstance(pin.type, Generic) or not getattr(pin, 'tied', True):
+            if pin is None or not isinstance(pin.type, Generic) or not pin.tied:
                 continue
             for source in self.connections.sources[block.id, pin_name]:
                 found = self.type_of(source)
@@ -232,6 +245,8 @@ class WiredBlocks:
             known = self._wanted_types(block) or literals
         if known:
             self.generics[block.id] = max(known, key=_width)
+        elif kind.default_type is not None:
+            self.generics[block.id] = kind.default_type
         return self.generics[block.id]
 
     def _literal_type(self, port: Port) -> DataType:
@@ -384,7 +399,7 @@ class WiredBlocks:
                     known=', '.join(p.name for p in kind.inputs))
                 continue
             type_ = pin.type if isinstance(pin.type, DataType) else generic
-            if isinstance(pin.type, Generic) and not getattr(pin, 'tied', True):
+            if isinstance(pin.type, Generic) and not pin.tied:
                 type_ = self.type_of(sources[0]) or self._literal_type(sources[0])
             operand = Port(component=block.id, pin=pin_name)
             if type_ is DataType.BOOL and not self._is_operand(operand):
@@ -397,7 +412,7 @@ class WiredBlocks:
         self._complete(block, callee, kind, inputs, {pin for pin, _ in powered})
         ordered = sorted(inputs.items(), key=lambda item: _pin_rank(kind, item[0]))
         return WiredCall(
-            resolved=Resolved(inputs=tuple(ordered), type=generic,
+            resolved=Resolved(inputs=tuple(ordered), type=generic, block=kind.name,
                               outputs=self._hidden_outputs(block, kind, generic)),
             prelude=tuple(prelude), powered=tuple(powered), main=callee.main,
             instance=callee.instance, is_composite=False, touches=())

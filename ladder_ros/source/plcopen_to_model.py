@@ -57,6 +57,7 @@ from ladder_ros.source.xml_tree import (
 )
 
 _WORD = re.compile(r'[^\W\d]\w*')
+_CALL = re.compile(r'\b([^\W\d]\w*)\s*\(')
 _WARNED = 'what the warnings say'
 _LANGUAGES = frozenset({'LD', 'FBD', 'ST', 'IL', 'SFC'})
 
@@ -125,6 +126,7 @@ class _Importer:
         self.elements: dict[str, Element] = {}
         self.signatures: dict[str, Signature] = {}
         self.words: dict[str, set[str]] = {}
+        self.calls: dict[str, set[str]] = {}
         self.interfaces: dict[str, Interface] = {}
         self.operands = Operands(report)
         self.variables: dict[str, Variable] = {}
@@ -165,13 +167,14 @@ class _Importer:
             self.elements[name.casefold()] = element
             self.signatures[name.casefold()] = replace(signature(element), name=name)
             self.words[name.casefold()] = set(_words(element))
+            self.calls[name.casefold()] = set(_calls(element))
         if len(self.project.pous) > MAX_POUS:
             place = self.report.at(self.project.pous[MAX_POUS])
             raise LadderError([problem(
                 'L0107', place, what=f'more than {MAX_POUS} POUs', limit=f'{MAX_POUS} POUs')])
 
     def needed(self, schedule: Schedule) -> set[str]:
-        """Return the POUs that something may run: those whose names what runs mentions."""
+        """Return the POUs that something may run, by what runs calls or declares."""
         waiting = [_key(run.pou) for run in schedule.runs]
         waiting += [type_.casefold() for _, type_ in self.blocks.values()]
         found: set[str] = set()
@@ -179,7 +182,7 @@ class _Importer:
             key = waiting.pop()
             if key in self.elements and key not in found:
                 found.add(key)
-                waiting += self.words[key]
+                waiting += self.calls[key]
         return found
 
     def called_programs(self, keys: set[str]) -> None:
@@ -393,6 +396,18 @@ class _Importer:
 
 def _key(pou: Element) -> str:
     return pou.attributes['name'].strip().casefold()
+
+
+def _calls(element: Element) -> Iterator[str]:
+    """Yield the names of POUs that a POU may use, casefolded: types, and what is called."""
+    if element.tag == 'block':
+        yield element.attributes.get('typeName', '').strip().casefold()
+    elif element.tag == 'derived':
+        yield element.attributes.get('name', '').strip().casefold()
+    for match in _CALL.finditer(element.text):
+        yield match[1].casefold()
+    for inner in element.children:
+        yield from _calls(inner)
 
 
 def _words(element: Element) -> Iterator[str]:

@@ -224,10 +224,13 @@ def _explain(error: UnexpectedInput, text: str, location: Location) -> LadderErr
     elif token is not None:
         what = f'{str(token)[:40]} is not expected here'
     else:
-        character = text[error.pos_in_stream or 0]
+        character = text[int(getattr(error, 'pos_in_stream', None) or 0)]
         what = f'{character} is not expected here'
         if character in '\'"':
             what = f'the text in {character} has no end in its line'
+            return LadderError.of(
+                'L0120', _shifted(location, line), _excerpt(text, line), column=column or 1,
+                what=what, expected=f'close it with {character}')
     accepted = getattr(error, 'accepts', None) or getattr(error, 'expected', None) or getattr(
         error, 'allowed', None) or ()
     expected = ', '.join(_shown(accepted))

@@ -49,6 +49,7 @@ def test_project_when_read_then_every_noun_knows_its_line(name: str) -> None:
     program = parse_any((CASES / f'{name}.xml').read_bytes(), 'f.xml')
     pous: list[Body | Composite] = [*program.bodies, *program.composites]
     drawn = [c.location for pou in pous for rung in pou.rungs for c in rung.components]
-    declared = [noun.location for noun in (*program.variables, *program.tasks)]
-    places = [*(pou.location for pou in pous), *declared, *drawn]
+    declared = [variable.location for variable in program.variables]
+    tasks = [task.location for task in program.tasks]
+    places = [*(pou.location for pou in pous), *declared, *tasks, *drawn]
     assert {(place.file, place.line is not None) for place in places} == {('f.xml', True)}
