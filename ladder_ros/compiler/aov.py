@@ -28,8 +28,8 @@ class SymbolVertex:
     (``i1/2/c3``: component c3 of rung 2 of instance i1).  ``resolved`` refers to names of the POU
     that the graph belongs to; ``instance`` is the block's or composite's instance there, and
     ``memory`` the hidden variable of an edge contact or coil.  In imported drawings ``prelude`` is
-    what is executed first, ``body`` the code of an EXECUTE box, ``is_block`` tells that the instance is an imported POU, and ``touches``
-    is what that may read and write outside.
+    what is executed first, ``body`` the code of an EXECUTE box; ``is_block`` tells that the
+    instance is an imported POU, and ``touches`` is what that may read and write outside.
     """
 
     id: int
@@ -58,7 +58,7 @@ def describe_symbol(symbol: SymbolVertex) -> str:
 
 
 def operand_text(symbol: SymbolVertex) -> str:
-    """Return a contact's or coil's operand in this graph's POU; an expression as it was written."""
+    """Return a contact's or coil's operand in this POU; an expression as it was written."""
     text = str(symbol.resolved.operand)
     if text.startswith('%T') and isinstance(symbol.component, (Contact, Coil)):
         return symbol.component.operand

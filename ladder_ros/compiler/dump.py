@@ -36,7 +36,8 @@ def with_drawings(program: Program) -> Program:
 
     A program of our own format is returned as it is.
     """
-    if not any(is_imported(pou) for pou in (*program.composites, *program.bodies)):
+    pous: list[Pou] = [*program.composites, *program.bodies]
+    if not any(is_imported(pou) for pou in pous):
         return program
     stages = analyse(program)
     if has_errors(stages.diagnostics):

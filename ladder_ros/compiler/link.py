@@ -54,7 +54,8 @@ def link_code(program: Program, code: Code) -> InstructionList:
                 name=frame.name, networks=networks, is_body=frame.key.startswith('body '))
             routines.append(routine)
             pending.extend(reversed([
-                _frame(instruction, composites, frame.chain) for instruction in routine.instructions()
+                _frame(instruction, composites, frame.chain)
+                for instruction in routine.instructions()
                 if instruction.op in (Op.EXE, Op.RUN)]))
     routines.sort(key=lambda routine: not routine.is_body)
     return InstructionList(routines=tuple(routines))

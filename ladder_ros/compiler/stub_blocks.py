@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stand-ins for blocks that are not here (a vendor's hardware): Program -> Program.
 
-Each use of an unknown block becomes an instance of a composite without a body.  What is wired to its
-inputs is ordinary output of the program, and its outputs are ordinary inputs, which a topic or a
-table can drive.
+Each use of an unknown block becomes an instance of a composite without a body.  What is wired to
+its inputs is ordinary output of the program, and its outputs are ordinary inputs, which a topic or
+a table can drive.
 """
 
 from __future__ import annotations
@@ -68,7 +68,8 @@ class _Stubber:
         """Return a POU with its unknown blocks replaced."""
         types = dict(self.types)
         if isinstance(pou, Composite):
-            types.update((d.name.casefold(), d.type) for d in (*pou.parameters, *pou.variables))
+            types.update((p.name.casefold(), p.type) for p in pou.parameters)
+            types.update((v.name.casefold(), v.type) for v in pou.variables)
         rungs = tuple(self._rung(pou, rung, types) for rung in pou.rungs)
         return replace(pou, rungs=rungs)
 

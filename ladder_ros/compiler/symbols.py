@@ -104,7 +104,7 @@ class Resolved:
 
     operand: Operand | None = None
     inputs: tuple[tuple[str, Operand], ...] = ()
-    outputs: tuple[tuple[str, Ref], ...] = ()
+    outputs: tuple[tuple[str, Target], ...] = ()
     type: DataType = DataType.BOOL
     block: str = ''
     """The catalogue's row that a block stands for, if it is another than its name says."""

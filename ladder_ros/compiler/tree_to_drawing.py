@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draw a tree on the grid: Forest -> Rung whose connector analysis gives the same power flow back.
 
-Series stand side by side, parallel branches and forks under each other.  A temporary, of what is not
-series-parallel, is drawn as a coil and contacts named T0, T1 ...  This is how drawings that came
-without our grid (PLCopen files) are shown.
+Series stand side by side, parallel branches and forks under each other.  A temporary, of what is
+not series-parallel, is drawn as a coil and contacts named T0, T1 ...  This is how drawings that
+came without our grid (PLCopen files) are shown.
 """
 
 from __future__ import annotations
@@ -37,8 +37,6 @@ def draw_forest(forest: Forest) -> Rung:
     top = 0
     for tree in forest.trees:
         place = drawing.put(tree, 0, top, top + 1)
-        if top:
-            drawing.join_left_rail(top)
         drawing.ends.append((place.x, top))
         top = max(place.bottom + 1, top + 1)
     return Rung(id=forest.rung, width=drawing.width(), comment=forest.comment,
@@ -77,9 +75,6 @@ class _Drawing:
             if x < width:
                 self._row(x, y, width - x)
         return [*self.components.values(), *self.columns]
-
-    def join_left_rail(self, row: int) -> None:
-        """A tree starts at the left rail by lying at grid line 0; nothing is to be drawn."""
 
     def put(self, tree: Tree, x: int, y: int, floor: int) -> _Place:
         """Draw a tree with its left end at (x, y); further rows start at ``floor`` or below."""
@@ -137,8 +132,7 @@ class _Drawing:
         left_low, right_low = places[0][1].left_low, places[0][1].right_low
         for row, place in places[1:]:
             self._join(x, left_low, row, is_left=True)
-            self._join(right, right_low if places[0][1].x == right else right_low, row,
-                       is_left=False)
+            self._join(right, right_low, row, is_left=False)
             left_low, right_low = place.left_low, row if place.x < right else place.right_low
         return _Place(x=right, bottom=max(p.bottom for _, p in places), left_low=left_low,
                       right_low=right_low, blocked=any(p.blocked for _, p in places))

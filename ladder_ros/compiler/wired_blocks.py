@@ -1,15 +1,15 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Blocks of imported drawings: their pins, the types that flow, and what a call reads and writes."""
+"""Blocks of imported drawings: their pins, the types that flow, what a call reads and writes."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-from ladder_ros.compiler.il import Call, Instruction, Op
+from ladder_ros.compiler.il import Instruction, Op
 from ladder_ros.compiler.lowering import Lowering
-from ladder_ros.compiler.resolve_rung import suggestion
+from ladder_ros.compiler.resolve_rung import literal_type, suggestion
 from ladder_ros.compiler.st_expressions import convert, lower_expression, lower_target, type_of
 from ladder_ros.compiler.symbols import data_slot, Literal, Operand, Ref, Resolved, Target
 from ladder_ros.compiler.wires_to_order import Connections
@@ -24,17 +24,17 @@ from ladder_ros.model.component import (
     InVariable,
     PinModifier,
 )
-from ladder_ros.model.derived import elementary
+from ladder_ros.model.derived import elementary, Initial, leaves, Type
 from ladder_ros.model.program import CallKind, Composite, Direction, Parameter, Port, Rung
 from ladder_ros.model.st import Expression, LiteralExpression, VariableExpression
-from ladder_ros.model.types import DataType, default_value
+from ladder_ros.model.types import DataType
 
 TRUE = Literal(value=True, type=DataType.BOOL)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Callee:
-    """A catalogue block or a user's POU, seen as a block with pins.  EN and ENO are no pins here."""
+    """A catalogue block or a user's POU, seen as a block with pins."""
 
     name: str
     kind: BlockKind | None = None
@@ -105,7 +105,9 @@ class WiredBlocks:
         """Resolve an operand that is read; None after reporting why that is impossible."""
         return lower_expression(self._expression(text, location), self.lowering, expected)
 
-    def write(self, text: str, location: Location) -> tuple[tuple[Instruction, ...], Target | None]:
+    def write(
+        self, text: str, location: Location,
+    ) -> tuple[tuple[Instruction, ...], Target | None]:
         """Resolve an operand that is written; None after reporting why that is impossible."""
         expression = self._expression(text, location)
         if not isinstance(expression, VariableExpression):
@@ -250,7 +252,6 @@ class WiredBlocks:
         return self.generics[block.id]
 
     def _literal_type(self, port: Port) -> DataType:
-        from ladder_ros.compiler.resolve_rung import literal_type
         component = self.components.get(port.component)
         try:
             return literal_type(component.operand if isinstance(component, InVariable) else '0')
@@ -340,13 +341,14 @@ class WiredBlocks:
         """Return what flows out of a port as an operand of the expected type."""
         component = self.components.get(port.component)
         operand: Operand | None
+        prelude: tuple[Instruction, ...] = ()
         if component is None:
-            prelude, operand = (), TRUE
+            operand = TRUE
         elif isinstance(component, InVariable):
             prelude, operand = self.read(component.operand, component.location, expected)
             negated = negated or component.negated
         else:
-            prelude, operand = (), self.output_variable(port)
+            operand = self.output_variable(port)
             if operand is None:
                 self._report_output(port, location)
         if operand is None or expected is None:
@@ -511,25 +513,14 @@ class WiredBlocks:
 
 def fresh_start(composite: Composite, instance: str) -> list[Instruction]:
     """Return the instructions that give a function's own variables their initial values."""
-    from ladder_ros.model.derived import leaves
-    code = []
-    for variable in (*composite.variables, *composite.parameters):
-        if isinstance(variable, Parameter):
-            if variable.direction is Direction.INOUT:
-                continue
-            initial = variable.default
-        else:
-            initial = variable.initial
-        for suffix, type_, value in leaves(variable.type, initial):
-            code.append(Instruction(
-                op=Op.MOV, operand=Literal(value=value, type=type_),
-                target=Ref(path=f'{instance}.{variable.name}{suffix}', type=type_)))
-    return code
-
-
-def run_call(composite: str, instance: str, bindings: Sequence[tuple[str, Operand]]) -> Call:
-    """Return the call of a user's POU."""
-    return Call(name=composite, instance=instance, inputs=tuple(bindings))
+    kept: list[tuple[str, Type, Initial]] = [
+        (v.name, v.type, v.initial) for v in composite.variables]
+    kept += [(p.name, p.type, p.default) for p in composite.parameters
+             if p.direction is not Direction.INOUT]
+    return [
+        Instruction(op=Op.MOV, operand=Literal(value=value, type=leaf),
+                    target=Ref(path=f'{instance}.{name}{suffix}', type=leaf))
+        for name, type_, initial in kept for suffix, leaf, value in leaves(type_, initial)]
 
 
 _WIDTHS: Mapping[DataType, int] = {type_: rank for rank, type_ in enumerate(DataType)}
@@ -547,5 +538,3 @@ def _pin_rank(kind: BlockKind, name: str) -> tuple[int, int, str]:
     digits = ''.join(c for c in name if c.isdigit())
     return len(names), int(digits or 0), name
 
-
-__all__ = ['Callee', 'WiredBlocks', 'WiredCall', 'default_value', 'fresh_start', 'run_call']

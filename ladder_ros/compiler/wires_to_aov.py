@@ -236,8 +236,9 @@ class _Builder:
         for port in sources:
             actual = self.blocks.type_of(port)
             if actual not in (DataType.BOOL, None):
-                self.lowering.report('L0204', component.location, name=f'what feeds {component.id}',
-                                     actual=actual, expected=DataType.BOOL)
+                self.lowering.report(
+                    'L0204', component.location, name=f'what feeds {component.id}',
+                    actual=actual, expected=DataType.BOOL)
         return list(sources)
 
     def _giver(self, port: Port, taker: Component) -> _Giver:

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 
-from ladder_ros.model.types import DataType, default_value, Value
+from ladder_ros.model.types import DataType, default_value, format_literal, Value
 
 LEAF_LIMIT = 100_000
 """Most elementary values that one variable may consist of."""
@@ -75,6 +75,29 @@ def elementary(type_: Type) -> DataType | None:
     if isinstance(type_, Enumeration):
         return DataType.INT
     return type_.base if isinstance(type_, Subrange) else None
+
+
+def type_name(type_: Type) -> str:
+    """Return a type as IEC 61131-3 writes it."""
+    if isinstance(type_, DataType):
+        return type_.value
+    if type_.name:
+        return type_.name
+    if isinstance(type_, Array):
+        bounds = ', '.join(f'{low}..{high}' for low, high in type_.bounds)
+        return f'ARRAY [{bounds}] OF {type_name(type_.element)}'
+    if isinstance(type_, Subrange):
+        return f'{type_.base} ({type_.low}..{type_.high})'
+    return 'STRUCT' if isinstance(type_, Structure) else 'INT'
+
+
+def initial_text(type_: Type, initial: Initial) -> str:
+    """Return the literal of a scalar's initial value; empty for an aggregate."""
+    scalar = elementary(type_)
+    if scalar is None:
+        return ''
+    (_, _, value), = leaves(type_, initial)
+    return format_literal(value, scalar)
 
 
 def leaves(type_: Type, initial: Initial = None) -> Iterator[tuple[str, DataType, Value]]:

@@ -101,7 +101,7 @@ class Order(Enum):
     """In which order the statements of an imported drawing are evaluated (DESIGN section 3).
 
     POSITION_ALL: one list of coils, outVariables and blocks by position.  POSITION_KIND: coils and
-    outVariables by position, then the blocks that were not reached.  DOCUMENT: as the file has them.
+    outVariables by position, then the blocks that were not reached.  DOCUMENT: as in the file.
     """
 
     POSITION_ALL = 'position-all'

@@ -115,7 +115,7 @@ class IfStatement:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CaseStatement:
-    """``branches`` are lists of ranges (low, high; high None for a single value) and statements."""
+    """``branches`` are lists of ranges (low, high; high None for one value) and statements."""
 
     selector: Expression
     branches: tuple[

@@ -216,27 +216,38 @@ _MOST_SHOWN = 8
 def _explain(error: UnexpectedInput, text: str, location: Location) -> LadderError:
     """Say where the text goes wrong, what is there, and what could be there instead."""
     token = getattr(error, 'token', None)
-    line = getattr(token or error, 'line', None) or text.rstrip().count('\n') + 1
-    column = getattr(token or error, 'column', None)
-    if token is not None and token.type == '$END':
-        what, line = 'the text ends too early', text.rstrip().count('\n') + 1
-        column = len(text.rstrip()) - text.rstrip().rfind('\n')
-    elif token is not None:
-        what = f'{str(token)[:40]} is not expected here'
+    if token is None:
+        return _odd_character(error, text, location)
+    if token.type == '$END':
+        plain = text.rstrip()
+        line, column = plain.count('\n') + 1, len(plain) - plain.rfind('\n')
+        what = 'the text ends too early'
     else:
-        character = text[int(getattr(error, 'pos_in_stream', None) or 0)]
-        what = f'{character} is not expected here'
-        if character in '\'"':
-            what = f'the text in {character} has no end in its line'
-            return LadderError.of(
-                'L0120', _shifted(location, line), _excerpt(text, line), column=column or 1,
-                what=what, expected=f'close it with {character}')
-    accepted = getattr(error, 'accepts', None) or getattr(error, 'expected', None) or getattr(
-        error, 'allowed', None) or ()
-    expected = ', '.join(_shown(accepted))
+        line, column = token.line, token.column
+        what = f'{str(token)[:40]} is not expected here'
+    expected = ', '.join(_shown(
+        getattr(error, 'accepts', None) or getattr(error, 'expected', None) or ()))
     return LadderError.of(
-        'L0120', _shifted(location, line), _excerpt(text, line), column=column or 1, what=what,
-        expected=f'possible here: {expected}' if expected else 'correct the text')
+        'L0120', _shifted(location, line), _excerpt(text, line), column=column, what=what,
+        expected=f'possible here: {expected}' if expected else 'remove it, or what it ends is not '
+        'there')
+
+
+def _odd_character(error: UnexpectedInput, text: str, location: Location) -> LadderError:
+    """Explain a character with which no word begins."""
+    line, column = int(getattr(error, 'line', 1)), int(getattr(error, 'column', 1))
+    character = text[int(getattr(error, 'pos_in_stream', None) or 0)]
+    what = f'{character} is not expected here'
+    expected = 'remove this character: no word or operator begins with it'
+    if character in '\'"':
+        what = f'the text in {character} has no end in its line'
+        expected = f'close it with {character}'
+    elif character == '#':
+        expected = 'write a literal with a type in full, such as T#1s, INT#5 or 16#FF'
+    elif character.isdigit():
+        expected = 'write a number as 5, 1.5, 2.0E3 or 16#FF; a name does not begin with a digit'
+    return LadderError.of('L0120', _shifted(location, line), _excerpt(text, line), column=column,
+                          what=what, expected=expected)
 
 
 def _excerpt(text: str, line: int) -> str:
@@ -252,13 +263,19 @@ def _shown(terminals: Collection[str]) -> Iterator[str]:
     elif _VALUES - {'AND', 'OR', 'XOR', 'MOD'} <= left:
         yield 'an expression'
         left -= _VALUES
-    if 'STAR' in left:
+    if left & _OPERATORS and 'NOT' not in left:
         yield 'an operator'
         left -= _OPERATORS | _SELECTORS
-    words = sorted(filter(None, (_word(name) for name in left)))
+    elif 'COLONEQUAL' in left:
+        left -= _SELECTORS
+    words = sorted(filter(None, (_word(name) for name in left)), key=_likelihood)
     yield from words[:_MOST_SHOWN]
     if len(words) > _MOST_SHOWN:
         yield '...'
+
+
+def _likelihood(word: str) -> tuple[bool, str]:
+    return word not in (';', ':=', ')', ']'), word
 
 
 def _word(terminal: str) -> str:

@@ -6,20 +6,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass, replace
-from pathlib import Path
-import sys
 from typing import Any
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
 import pytest
+from source.st_shown import expression, statements
 
-sys.path.insert(0, str(Path(__file__).parent))
-
-from st_shown import expression, statements  # noqa: E402
-
-from ladder_ros.diagnostics import LadderError, Location, render  # noqa: E402
-from ladder_ros.model.st import (  # noqa: E402
+from ladder_ros.diagnostics import LadderError, Location, render
+from ladder_ros.model.st import (
     BinaryExpression,
     CallArgument,
     CallExpression,
@@ -30,8 +25,8 @@ from ladder_ros.model.st import (  # noqa: E402
     UnaryExpression,
     VariableExpression,
 )
-from ladder_ros.source.st_parser import parse_expression, parse_statements  # noqa: E402
-from ladder_ros.source.st_text import MAX_CHAIN, MAX_NESTING, MAX_TEXT  # noqa: E402
+from ladder_ros.source.st_parser import parse_expression, parse_statements
+from ladder_ros.source.st_text import MAX_CHAIN, MAX_NESTING, MAX_TEXT
 
 
 @pytest.mark.parametrize(('text', 'understood'), [
