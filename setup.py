@@ -29,6 +29,7 @@ ROS_WHEELS = (
     'ros-jazzy-ament-index-python >= 1.8.1, < 2',
     'ros-jazzy-diagnostic-msgs >= 5.3.6, < 6',
     'ros-jazzy-rcl-interfaces >= 2.0.3, < 3',
+    'ros-jazzy-rosgraph-msgs >= 2.0.3, < 3',
     'ros-jazzy-std-msgs >= 5.3.6, < 6',
     'ros-jazzy-std-srvs >= 5.3.6, < 6',
 )
@@ -78,7 +79,6 @@ setup(
     zip_safe=False,
     install_requires=[
         'lark >= 1.1',
-        'lxml >= 4.8',
         'PyYAML >= 5.4.1',
         'typing_extensions >= 4.1',
     ],
@@ -86,7 +86,7 @@ setup(
         'ros': [f'{wheel} ; {ROS_WHEELS_EXIST}' for wheel in ROS_WHEELS],
         'test': [
             'hypothesis >= 6.80',
-            'lxml-stubs >= 0.5',
+            'lxml >= 4.8',
             'mypy >= 1.11',
             'pytest >= 7.4',
             'pytest-timeout >= 2.2',

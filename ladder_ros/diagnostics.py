@@ -99,11 +99,13 @@ def problem(
     ``facts`` fill the placeholders of the row's message and help; ``help`` replaces the row's own.
     """
     row = PROBLEMS[code]
-    shown = {key: _bounded(str(value)) for key, value in facts.items()}
+    texts = {key: str(value) for key, value in facts.items()}
+    short = {key: _bounded(text) for key, text in texts.items()}
+    if help is None:  # it lists what is possible, which must not be cut short
+        help = row.help.format(**{key: _bounded(text, 400) for key, text in texts.items()})
     return Diagnostic(
-        code=code, severity=row.severity, message=row.message.format(**shown), location=location,
-        label=_bounded(label, 400), help=row.help.format(**shown) if help is None else help,
-        related=tuple(related),
+        code=code, severity=row.severity, message=row.message.format(**short), location=location,
+        label=_bounded(label, 400), help=help, related=tuple(related),
     )
 
 

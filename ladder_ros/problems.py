@@ -156,7 +156,7 @@ _DRAWING = (
 
 _COMPILING = (
     _error('L0401', 'the program grows too large when its composites are put in: {count}',
-           'at most {limit} components; composites nested in composites multiply'),
+           'at most {limit}; composites nested in composites multiply'),
     _error('L0402', 'bad instruction list: {reason}', '{expected}'),
 )
 
@@ -181,7 +181,7 @@ _ROS = (
     _error('L0604', 'parameter {name} has a bad value', '{expected}'),
     _error('L0605', 'the program {name} may not be loaded', '{reason}'),
     _warning('L0606', 'unknown parameter {name}: it is ignored',
-             'correct the name{hint}, or leave it if it is meant for another node'),
+             'leave it if it is meant for another node, else correct the name{hint}'),
     _error('L0607', 'unknown I/O parameter {name}', 'an entry of the I/O map has {known}{hint}'),
     _error('L0608', 'the topic {topic} belongs to more than one variable',
            'give {name} another topic with io.{name}.topic'),

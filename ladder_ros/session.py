@@ -163,7 +163,7 @@ def _require_pou(program: Program, pou: str | None) -> None:
 def compile_file(path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -> Loaded:
     """Compile a program file.  Raises LadderError with every error that was found."""
     program, source_hash = _read(path)
-    compilation = compile_program(program, backend=backend)
+    compilation = compile_program(program, backend=backend, source_hash=source_hash)
     return Loaded(
         path=os.fspath(path), name=program.name, source_hash=source_hash,
         executable=compilation.executable, diagnostics=compilation.diagnostics)

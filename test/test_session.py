@@ -124,6 +124,7 @@ def test_check_when_a_variable_is_unknown_then_it_is_found(program: Path) -> Non
 def test_compile_when_read_then_the_hash_is_that_of_the_bytes(program: Path) -> None:
     loaded = compile_file(program)
     assert loaded.source_hash == hashlib.sha256(program.read_bytes()).hexdigest()
+    assert loaded.executable.source_hash == loaded.source_hash
     assert (loaded.name, loaded.path, loaded.backend) == ('demo', str(program), 'python')
 
 

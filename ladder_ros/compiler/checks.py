@@ -5,7 +5,8 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from ladder_ros.compiler.il import InstructionList, Op
 from ladder_ros.compiler.inline_composites import LIMIT
@@ -13,7 +14,22 @@ from ladder_ros.compiler.symbols import Ref
 from ladder_ros.diagnostics import Diagnostic, problem
 from ladder_ros.executable import ComponentEntry
 from ladder_ros.model.component import Instance
-from ladder_ros.model.program import Composite, Pou, Program
+from ladder_ros.model.program import CallKind, Composite, Pou, Program
+
+INSTANCE_LIMIT = 20_000
+"""Most instances of enabled composites; each is a routine of its own."""
+
+DEPTH_LIMIT = 100
+"""Deepest nesting of composites in composites."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Size:
+    """What a POU grows to: components, instances of enabled composites, depth of nesting."""
+
+    components: int = 0
+    instances: int = 0
+    depth: int = 0
 
 
 def check_size(program: Program) -> tuple[Diagnostic, ...]:
@@ -21,35 +37,49 @@ def check_size(program: Program) -> tuple[Diagnostic, ...]:
 
     Composites nested in composites multiply: the count is made without expanding anything.
     """
-    sizes: dict[str, int] = {}
+    sizes: dict[str, _Size] = {}
     composites = {c.name.casefold(): c for c in program.composites}
 
-    def ready(pou: Pou) -> list[Composite]:
+    def missing(pou: Pou) -> list[Composite]:
         names = {c.composite.casefold() for r in pou.rungs for c in r.components
                  if isinstance(c, Instance)}
         return [composites[name] for name in names if name not in sizes]
 
-    def size(pou: Pou) -> int:
-        return sum(
-            sizes[c.composite.casefold()] if isinstance(c, Instance) else 1
-            for rung in pou.rungs for c in rung.components)
-
     pending: list[Pou] = [*program.composites]
     while pending:
-        pou = pending[-1]
-        missing = ready(pou)
-        if missing:
-            pending.extend(missing)
+        inner = missing(pending[-1])
+        if inner:
+            pending.extend(inner)
         else:
-            sizes[pou.name.casefold()] = size(pou)
-            pending.pop()
-    pous: list[tuple[Pou, int]] = [(c, sizes[c.name.casefold()]) for c in program.composites]
-    pous += [(body, size(body)) for body in program.bodies]
-    total = sum(count for _, count in pous)
-    if total <= LIMIT:
-        return ()
-    largest = max(pous, key=lambda pair: pair[1])[0]
-    return (problem('L0401', largest.location, count=total, limit=LIMIT),)
+            pou = pending.pop()
+            sizes[pou.name.casefold()] = _size(pou, sizes, composites)
+    pous: list[tuple[Pou, _Size]] = [(c, sizes[c.name.casefold()]) for c in program.composites]
+    pous += [(body, _size(body, sizes, composites)) for body in program.bodies]
+    found = []
+    for total, limit, unit in (
+        (sum(size.components for _, size in pous), LIMIT, 'components'),
+        (sum(size.instances for _, size in pous), INSTANCE_LIMIT, 'enabled instances'),
+        (max(size.depth for _, size in pous), DEPTH_LIMIT, 'levels of composites in composites'),
+    ):
+        if total > limit:
+            largest = max(pous, key=lambda pair: pair[1].components)[0]
+            found.append(problem(
+                'L0401', largest.location, count=f'{total} {unit}', limit=f'{limit} {unit}'))
+    return tuple(found)
+
+
+def _size(pou: Pou, sizes: Mapping[str, _Size], composites: Mapping[str, Composite]) -> _Size:
+    components = instances = depth = 0
+    for rung in pou.rungs:
+        for component in rung.components:
+            components += 1
+            if isinstance(component, Instance):
+                name = component.composite.casefold()
+                inner = sizes[name]
+                components += inner.components
+                instances += inner.instances + (composites[name].call is CallKind.ENABLED)
+                depth = max(depth, inner.depth + 1)
+    return _Size(components, instances, depth)
 
 
 def check_coils(

@@ -77,7 +77,7 @@ class _Analyser:
         taken: dict[tuple[bool, int, int], Component] = {}
         for component in self.rung.components:
             place = component.placement
-            if place.x < 0 or place.y < 0 or place.x + place.width > self.rung.width:
+            if self._is_outside(component):
                 self.report('L0302', component, name=component.id, width=self.rung.width)
                 continue
             is_column = isinstance(component, Column)
@@ -93,6 +93,10 @@ class _Analyser:
                 else:
                     continue
                 break
+
+    def _is_outside(self, component: Component) -> bool:
+        place = component.placement
+        return place.x < 0 or place.y < 0 or place.x + place.width > self.rung.width
 
     # -- nets by union-find ---------------------------------------------------------------------
 
@@ -240,7 +244,7 @@ class _Analyser:
         takers |= {line.source for line in wiring.lines}
         for component, is_left, pin, point in self.ends:
             net = net_of(point)
-            if wiring.nets[net].rail is not Rail.NONE:
+            if wiring.nets[net].rail is not Rail.NONE or self._is_outside(component):
                 continue
             if is_left and net not in givers and not isinstance(component, Coil):
                 self.report('L0303', component, describe(component), end='left',
@@ -273,7 +277,7 @@ class _Analyser:
         for _, sources, targets, component in sorted(arcs, key=lambda arc: arc[0]):
             if sources & powered:
                 powered |= targets
-            elif isinstance(component, Coil):
+            elif isinstance(component, Coil) and not self._is_outside(component):
                 self.report('L0306', component, describe(component), name=component.id)
         self._check_outputs(wiring, plain)
 

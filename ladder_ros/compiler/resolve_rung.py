@@ -124,8 +124,8 @@ class RungResolver:
             self.report('L0205', location, text, type=expected or 'an operand', reason=error)
             return None
 
-    def _source(self, argument: Argument) -> tuple[Ref, str] | None:
-        """Resolve a direct data connection ``id.PIN`` to another component's output."""
+    def _source_pin(self, argument: Argument) -> tuple[Block, BlockKind, Pin] | None:
+        """Find what a direct data connection ``id.PIN`` names, or report that there is none."""
         identifier, _, pin_name = argument.source.partition('.')
         component = self.by_id.get(identifier.casefold())
         kind = CATALOGUE.get(component.type.upper()) if isinstance(component, Block) else None
@@ -134,6 +134,14 @@ class RungResolver:
             self.report('L0310', argument.location, source=argument.source, hint=suggestion(
                 identifier, (c.id for c in self.by_id.values() if isinstance(c, Block))))
             return None
+        return component, kind, pin
+
+    def _source(self, argument: Argument) -> tuple[Ref, str] | None:
+        """Resolve a direct data connection to another component's output."""
+        found = self._source_pin(argument)
+        if found is None:
+            return None
+        component, kind, pin = found
         if not kind.is_function:
             assert isinstance(pin.type, DataType)
             return Ref(path=f'{component.instance}.{pin.name}', type=pin.type), component.id
@@ -153,6 +161,10 @@ class RungResolver:
         literals: list[str] = []
         for argument, pin in self._generic_arguments(block, kind):
             if argument.source:
+                if self._source_pin(argument) is None:
+                    return None
+                # None: the other block's type is unknown, which is reported there, or the two
+                # are in a loop, which is reported once the graph is built.
                 source = self._source(argument)
                 if source is not None:
                     types[pin.name] = source[0].type

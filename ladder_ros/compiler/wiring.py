@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
@@ -91,17 +92,21 @@ class Wiring:
 
     def _print(self) -> Iterator[str]:
         yield f'rung {self.rung.id}' + (f'  -- {self.rung.comment}' if self.rung.comment else '')
+        givers: dict[int, list[str]] = defaultdict(list)
+        takers: dict[int, list[str]] = defaultdict(list)
+        for part in self.parts:
+            for ends, names in ((part.right, givers), (part.left, takers)):
+                for end in ends:
+                    pin = f'.{end.pin}' if end.pin else ''
+                    names[end.net].append(part.component.id + pin)
+        for line in self.lines:
+            givers[line.target].append(line.component.id)
+            takers[line.source].append(line.component.id)
         for net in self.nets:
-            givers = [
-                f'{part.component.id}{"." + end.pin if end.pin else ""}'
-                for part in self.parts for end in part.right if end.net == net.index]
-            givers += [line.component.id for line in self.lines if line.target == net.index]
-            takers = [
-                f'{part.component.id}{"." + end.pin if end.pin else ""}'
-                for part in self.parts for end in part.left if end.net == net.index]
-            takers += [line.component.id for line in self.lines if line.source == net.index]
             kind = net.rail.value or ('vertical' if net.vertical else 'joint')
-            yield f'  {net!s:14} {kind:10} {" ".join(givers) or "."} -> {" ".join(takers) or "."}'
+            source = ' '.join(givers[net.index]) or '.'
+            target = ' '.join(takers[net.index]) or '.'
+            yield f'  {net!s:14} {kind:10} {source} -> {target}'
         for part in self.parts:
             yield f'  {part.component.id:8} {describe(part.component)}'
         if self.series:

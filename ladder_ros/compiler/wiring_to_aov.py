@@ -155,7 +155,15 @@ class _Builder:
         """Order parts by power flow and data connections, ties by (row, column, id)."""
         parts = {part.component.id.casefold(): part for part in self.wiring.parts}
         after = self._power_successors(parts)
-        for source, target in self._data_arcs(parts):
+        arcs = self._data_arcs(parts)
+        for source, target in arcs:
+            after[source].append(target)
+        order = _topological_order(after, parts)
+        if len(order) == len(parts):
+            return [parts[name] for name in order]
+        for source, target in arcs:
+            after[source].remove(target)
+        for source, target in arcs:
             cycle = _path(after, target, source)
             if cycle is None:
                 after[source].append(target)

@@ -179,9 +179,9 @@ def parse_arguments(args: Sequence[str] | None) -> argparse.Namespace:
         prog='elevator_demo',
         description='A 3-floor elevator controlled by a ladder program over ROS 2 topics.')
     parser.add_argument('--seconds', type=float, default=30.0, help='how long it runs (30)')
-    parser.add_argument('--seed', type=int, default=3, help='of the random passengers (3)')
-    parser.add_argument('--mean-gap', type=float, default=5.0, metavar='S',
-                        help='mean time between two passengers in seconds (5)')
+    parser.add_argument('--seed', type=int, default=18, help='of the random passengers (18)')
+    parser.add_argument('--mean-gap', type=float, default=4.0, metavar='S',
+                        help='mean time between two passengers in seconds (4)')
     parser.add_argument('--no-view', action='store_true', help='print the summary only')
     return parser.parse_args(args)
 

@@ -29,22 +29,26 @@ LAMPS = (
 COMMANDS = (*MOTORS, *LAMPS)
 """What the program tells the plant and the people: its BOOL outputs."""
 
-SPEED = 0.4
-"""Floors a second at full speed: 2.5 s a floor."""
+SPEED = 0.6
+"""Floors a second at full speed: 1.7 s a floor."""
 ACCELERATION = 4.0
-LEVEL_WINDOW = 0.05
+LEVEL_WINDOW = 0.07
 """A level sensor is on this far above and below its floor."""
-OVERTRAVEL = 0.25
+OVERTRAVEL = 0.35
 """How far beyond the end floors the cabin may get before it hits the buffers."""
-DOOR_TIME = 1.0
+DOOR_TIME = 0.8
 AJAR = 0.1
 """From here on the door counts as open: 0.1 s after it started, so that two messages of one scan
 that come one after the other are not taken for a fault of the program."""
-CROSSING_TIME = 0.4
+CROSSING_TIME = 0.3
 PRESS_TIME = 0.3
 PATIENCE = 3.0
 """After this long without a lamp somebody presses the button again."""
+REACTION = 1.0
+"""So long people wait for the door of a cabin that has come before they press again."""
 CAPACITY = 6
+RUSH = 3
+"""So many come within the first two seconds, so that there is something to see at once."""
 OBSTRUCTION_TIME = 0.8
 OBSTRUCTIONS = 0.08
 """Share of closings that something gets into the way of."""
@@ -70,12 +74,12 @@ class Passenger:
 class Plant:
     """The elevator's machine and people.
 
-    ``mean_gap`` is the mean time between two arrivals.  ``violations`` are the things that a
-    correct program never lets happen, each told once.
+    ``mean_gap`` is the mean time between two arrivals once the first few are there.
+    ``violations`` are the things that a correct program never lets happen, each told once.
     """
 
     seed: int = 1
-    mean_gap: float = 6.0
+    mean_gap: float = 4.0
     position: float | None = None
     time: float = 0.0
     velocity: float = 0.0
@@ -94,12 +98,13 @@ class Plant:
     _crossing_until: float = -1.0
     _blocked_until: float = -1.0
     _closing: bool = False
+    _still_since: float = -1e9
 
     def __post_init__(self) -> None:
-        """Put the cabin somewhere in the shaft, also between floors, and let somebody come."""
+        """Put the cabin at a floor, unless it is told where, and let somebody come."""
         self._random = random.Random(self.seed)
         if self.position is None:
-            self.position = self._random.uniform(0.1, 1.9)
+            self.position = float(self._random.choice(FLOORS) - 1)
         self._next_arrival = self._random.uniform(0.2, 1.0)
 
     @property
@@ -155,6 +160,8 @@ class Plant:
         self.velocity += min(max(wanted - self.velocity, -change), change)
         if not wanted:
             self.velocity = 0.0
+        else:
+            self._still_since = self.time
         self.position = self.height + self.velocity * seconds
         low, high = -OVERTRAVEL, FLOORS[-1] - 1 + OVERTRAVEL
         if not low < self.position < high:
@@ -188,9 +195,11 @@ class Plant:
     def _arrive(self) -> None:
         if self.time < self._next_arrival:
             return
-        self._next_arrival = self.time + self._random.expovariate(1.0 / self.mean_gap)
         origin, goal = self._random.sample(FLOORS, 2)
         self.arrivals += 1
+        gap = self._random.uniform(0.2, 0.5) if self.arrivals < RUSH \
+            else self._random.expovariate(1.0 / self.mean_gap)
+        self._next_arrival = self.time + gap
         self.waiting.append(Passenger(origin=origin, goal=goal, arrived=self.time))
 
     def _cross(self) -> None:
@@ -214,8 +223,19 @@ class Plant:
                 return
 
     def _press(self, passenger: Passenger, button: str) -> None:
-        """Press a button whose lamp is dark; look again after a while."""
+        """Press a button whose lamp is dark; look again after a while.
+
+        Where the cabin has just come or its door is open there is nothing to press for, unless
+        the door closes on somebody who still fits in; who sees that the cabin is full lets it go.
+        """
         if self.commands[f'lamp_{button}'] or self.time - passenger.pressed < PATIENCE:
             return
+        inside = passenger.boarded is not None
+        if self.level() == (passenger.goal if inside else passenger.origin):
+            if not inside and len(self.riding) >= CAPACITY:
+                return
+            coming = self.door > 0.0 or self.time - self._still_since < REACTION
+            if coming and not self.commands['door_close']:
+                return
         passenger.pressed = self.time
         self._held[button] = self.time + PRESS_TIME

@@ -82,10 +82,10 @@ def parse_arguments(args: Sequence[str]) -> argparse.Namespace:
     """Read the command line, without the arguments meant for ROS."""
     parser = argparse.ArgumentParser(
         prog='elevator_plant', description='The elevator demonstration: cabin and passengers.')
-    parser.add_argument('--seed', type=int, default=3, help='of the random passengers (3)')
+    parser.add_argument('--seed', type=int, default=18, help='of the random passengers (18)')
     parser.add_argument(
-        '--mean-gap', type=float, default=6.0, metavar='S',
-        help='mean time between two passengers in seconds (6)')
+        '--mean-gap', type=float, default=4.0, metavar='S',
+        help='mean time between two passengers in seconds (4)')
     parser.add_argument(
         '--time-scale', type=float, default=1.0, metavar='F',
         help='how much faster than real time machine and people are (1); '

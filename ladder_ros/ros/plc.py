@@ -10,7 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+import gc
 from pathlib import Path
+import re
 import sys
 import threading
 import time
@@ -104,6 +106,10 @@ class Plc:
         declare(self._node, self._declarations(), _descriptor)
         self._node.add_on_set_parameters_callback(self._on_set)
         self._node.add_post_set_parameters_callback(self._on_post)
+        # A full collection holds up every thread, scans included, for 30 ms and more; nearly all
+        # that it would look at again and again are the modules, which are here to stay.
+        gc.collect()
+        gc.freeze()
         if first is not None and settings.autostart:
             self.start()
         self._status.publish()
@@ -228,7 +234,9 @@ class Plc:
         try:
             return str(self._node.resolve_topic_name(topic))
         except Exception as error:  # several classes, all of them say what is wrong
-            raise ValueError(' '.join(str(error).split())) from None
+            # Some builds of the client library end it with the place in their own source.
+            reason = re.sub(r',? at /[^ ]+:\d+', '', ' '.join(str(error).split()))
+            raise ValueError(reason) from None
 
     # Parameters
 
@@ -237,8 +245,8 @@ class Plc:
         return [
             Declaration(
                 name=item.name, rule=item.rule,
-                value=[str(folder) for folder in self._folders.folders]
-                if item.name == 'program_folders' else item.value)
+                value=_shown([str(folder) for folder in self._folders.folders]
+                             if item.name == 'program_folders' else item.value))
             for item in self._settings.declarations
         ]
 
@@ -246,6 +254,9 @@ class Plc:
         """Validate a change; compile a program, so that setting it cannot fail any more."""
         try:
             for parameter in parameters:
+                if parameter.name in ('program', 'forces') and parameter.value is None:
+                    return SetParametersResult(
+                        successful=False, reason=f'{parameter.name} cannot be removed')
                 if parameter.name == 'program':
                     path = next_program(parameter.value, self._folders, self._path)
                     self._prepared = self._prepare(path, strict=False)
@@ -285,7 +296,7 @@ class Plc:
     def _read_forces(self, texts: Sequence[str]) -> dict[str, Value]:
         """Return the values to force by the variable's name; raises LadderError."""
         wanted: dict[str, Value] = {}
-        for text in texts:
+        for text in filter(None, texts):
             name, sign, value = text.partition('=')
             if not sign:
                 raise LadderError.of(
@@ -365,6 +376,11 @@ def read_overrides(node: Any) -> dict[str, Any]:
         for name, parameter in node._parameter_overrides.items()
         if parameter.type_ != Parameter.Type.NOT_SET
     }
+
+
+def _shown(value: Any) -> Any:
+    """Return a value that can be declared: an empty list would be taken for one of bytes."""
+    return [''] if value == [] else value
 
 
 def _key(loaded: Loaded) -> tuple[str, str]:
