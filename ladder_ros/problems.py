@@ -90,6 +90,12 @@ _FILES = (
              'what it runs, runs in every scan; give it one such as T#20ms'),
     _warning('L0145', "the external variable {name} is nobody's global variable",
              'a global variable is made for it; declare it in the configuration'),
+    _error('L0150', 'this is no JSON: {reason}',
+           'save the project again in OpenPLC Editor, or mend the text at this place'),
+    _warning('L0151', 'the project departs from what OpenPLC Editor writes: {what}',
+             'it is read as {read}'),
+    _error('L0152', '{what} has no meaning: {reason}',
+           'open the project in OpenPLC Editor, mend this there and save it again'),
 )
 
 _NAMES = (

@@ -166,7 +166,7 @@ class _Statements:
         else:
             self.lowering.report(
                 'L0204', statement.location, name=shown(statement.target), actual='a variable',
-                expected='a function or the instance of a function block')
+                expected='a function or a function block instance')
 
     def _callee(self, statement: CallStatement) -> Place | None:
         """Return the instance that is called, or None if it is a function."""
@@ -380,7 +380,8 @@ class _Statements:
     def _exit(self, statement: ExitStatement) -> None:
         if not self.loops:
             self.lowering.report(
-                'L0225', statement.location, name='EXIT', where='outside a loop')
+                'L0225', statement.location, name='EXIT', where='outside a loop',
+                reason='remove it, or put it into a loop')
             raise Wrong
         self.emitter.emit(Op.LD, TRUE)
         self.emitter.emit(Op.BRK)
@@ -406,7 +407,8 @@ class _Statements:
         step = one if statement.step is None else self._kept(statement.step, type_)
         if isinstance(step, Literal) and step.value == 0:
             self.lowering.report(
-                'L0225', statement.location, name='BY 0', where='in FOR: it would never end')
+                'L0225', statement.location, name='BY 0', where='in FOR',
+                reason='the loop would never end; give it a step that is not zero')
             raise Wrong
         self._open_loop(statement.location)
         self._past(variable, last, step)

@@ -41,6 +41,8 @@ class Operands:
         """Variables that exist by being addressed, by address in upper case."""
         self.lists: Mapping[tuple[str, str], str] = {}
         """Names of global variables by casefolded names of their list and their own."""
+        self.enumerations: Mapping[str, int] = {}
+        """Values of enumerations by casefolded name; one with its type before it is no path."""
         self._hidden: frozenset[str] = frozenset()
         self._used: set[str] = set()
 
@@ -60,7 +62,7 @@ class Operands:
         if ADDRESS.fullmatch(text):
             return self._address(text, place)
         if _PATH.fullmatch(text):
-            return self._path(text.replace(' ', ''))
+            return self._path(text.replace(' ', ''), place)
         if _LITERAL.fullmatch(text) and len(text) <= MAX_OPERAND:
             return text
         if text not in self.expressions:
@@ -78,8 +80,16 @@ class Operands:
             self._report.take(error)
             return ()
 
-    def _path(self, text: str) -> str:
-        """Return a name without the list of globals before it."""
+    def _path(self, text: str, place: Location) -> str:
+        """Return a path as it is kept, its list of globals left out; keep its parts."""
+        path = self._without_list(text)
+        name, *parts = path.split('.')
+        if parts and path.casefold() not in self.enumerations:
+            self.expressions[path] = VariableExpression(
+                name=name, accessors=tuple(Field(name=part) for part in parts), location=place)
+        return path
+
+    def _without_list(self, text: str) -> str:
         head, _, rest = text.partition('.')
         own, _, tail = rest.partition('.')
         name = None

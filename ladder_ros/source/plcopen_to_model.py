@@ -142,6 +142,7 @@ class _Importer:
             raise LadderError([problem('L0134', place)])
         types = Types(project.data_types, frozenset(self.elements), report)
         types.read_all()
+        self.operands.enumerations = types.enumerations
         programs = {
             key: pou for key, pou in self.elements.items() if self.signatures[key].is_program}
         schedule = read_schedule(project, programs, report)

@@ -8,15 +8,13 @@ import hashlib
 import os
 from pathlib import Path
 
-from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.program import Program
+from ladder_ros.source.openplc_files import pou_files, PROJECT_FILE
+from ladder_ros.source.openplc_to_model import read_openplc
 from ladder_ros.source.plcopen_project import is_project
 from ladder_ros.source.plcopen_to_model import parse_project
 from ladder_ros.source.xml_to_model import parse_program
 from ladder_ros.source.xml_tree import read_file, root_element
-
-PROJECT_FILE = 'project.json'
-"""What makes a folder a project of OpenPLC Editor v4."""
 
 
 def read_any(path: str | os.PathLike[str]) -> Program:
@@ -27,7 +25,7 @@ def read_any(path: str | os.PathLike[str]) -> Program:
     name = os.fspath(path)
     folder = openplc_folder(name)
     if folder is not None:
-        return _read_openplc(folder)
+        return read_openplc(folder)
     return parse_any(read_file(name), name)
 
 
@@ -53,14 +51,8 @@ def openplc_folder(path: str) -> Path | None:
 def folder_hash(folder: Path) -> str:
     """Return the SHA-256 of a project's files, names included."""
     digest = hashlib.sha256()
-    for file in sorted(folder.rglob('*')):
-        if file.is_file() and file.suffix in ('.json', '.ld', '.st', '.fbd', '.il'):
-            digest.update(os.fsencode(file.relative_to(folder)) + b'\0')
-            digest.update(read_file(os.fspath(file)))
+    for file in (folder / PROJECT_FILE, *pou_files(folder)):
+        data = read_file(file)
+        digest.update(os.fsencode(file.relative_to(folder)) + b'\0%d\0' % len(data))
+        digest.update(data)
     return digest.hexdigest()
-
-
-def _read_openplc(folder: Path) -> Program:
-    raise LadderError.of(
-        'L0102', Location(file=os.fspath(folder)), root='a folder of OpenPLC Editor v4',
-        help='open the plc.xml that its build writes')

@@ -65,6 +65,17 @@ def parse_st(data: bytes, file: str = '') -> Program:
     return replace(read_plcopen(project_of(text, file), file), dialect=DIALECT)
 
 
+def is_st(data: bytes) -> bool:
+    """Say whether the bytes of a file look like Structured Text: what it begins with decides."""
+    text = data[:100_000].decode('utf-8-sig', errors='replace')
+    while True:
+        rest = text.lstrip()
+        match = re.match(r'\(\*.*?\*\)|//[^\n]*|\{[^}]*\}', rest, re.DOTALL)
+        if match is None:
+            return _UNIT.match(rest) is not None
+        text = rest[match.end():]
+
+
 def split_pou(text: str, location: Location = Location()) -> PouText:
     """Cut a POU into header and body, which may be in any language (text or JSON).
 

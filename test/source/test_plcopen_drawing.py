@@ -10,7 +10,7 @@ from support.plcopen import drawing, element, ladder, read, variable, wires
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.component import Block, Coil, Contact, Instance, InVariable
 from ladder_ros.model.program import Order
-from ladder_ros.model.st import VariableExpression
+from ladder_ros.model.st import Field, VariableExpression
 
 
 def block(id_: int, type_: str, inputs: str = '', outputs: str = '', attributes: str = '') -> str:
@@ -156,8 +156,17 @@ def test_operand_when_it_is_an_expression_then_its_tree_is_kept_by_its_text() ->
     assert list(program.expressions) == ['a AND b']
 
 
+def test_operand_when_it_is_a_path_then_its_parts_are_kept_by_its_text() -> None:
+    program = read(ladder(element('contact', 1, [0], 'a . b.c')))
+    assert program.bodies[0].rungs[0].components[0].location == program.expressions[
+        'a.b.c'].location
+    path = program.expressions['a.b.c']
+    assert isinstance(path, VariableExpression)
+    assert (path.name, path.accessors) == ('a', (Field(name='b'), Field(name='c')))
+
+
 @pytest.mark.parametrize('text', [
-    'a', 'a.b.c', 'TRUE', '5', '-3', '1.5E-3', '16#FF', 'T#-5s', 'T#1m30s', 'INT#5', 'été',
+    'a', 'TRUE', '5', '-3', '1.5E-3', '16#FF', 'T#-5s', 'T#1m30s', 'INT#5', 'été',
     'REAL#1.0E+3', "'it$'s'", '%IX0.0', 'Colour#red', '2#1010_0101',
 ])
 def test_operand_when_it_is_a_name_or_a_literal_then_there_is_no_tree(text: str) -> None:
