@@ -70,7 +70,7 @@ setup(
     ],
     python_requires='>= 3.10',
     packages=find_packages(include=[PACKAGE, f'{PACKAGE}.*']),
-    package_data={PACKAGE: ['py.typed', 'source/schema/*.xsd']},
+    package_data={PACKAGE: ['py.typed', 'source/*.lark', 'source/schema/*.xsd']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),
         (SHARE, ['package.xml']),
@@ -78,6 +78,7 @@ setup(
     ],
     zip_safe=False,
     install_requires=[
+        'lark >= 1.1',
         'PyYAML >= 5.4.1',
         'typing_extensions >= 4.1',
     ],

@@ -144,8 +144,14 @@ class Executable:
         return [slot.initial for slot in self.slots]
 
     def slot(self, path: str) -> Slot | None:
-        """Return the slot of a variable by its dotted path (case-insensitive), or None."""
-        return self.by_path.get(path.casefold())
+        """Return the slot of a variable by dotted path or located address, or None.
+
+        Case does not count.
+        """
+        slot = self.by_path.get(path.casefold())
+        if slot is None and path.startswith('%'):
+            return next((s for s in self.slots if s.address.upper() == path.upper()), None)
+        return slot
 
     def io(self) -> tuple[Slot, ...]:
         """Return the slots of input and output variables, in declaration order."""

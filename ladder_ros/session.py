@@ -15,7 +15,7 @@ import hashlib
 import os
 import threading
 
-from ladder_ros.compiler.dump import dump_stage, STAGES
+from ladder_ros.compiler.dump import dump_stage, STAGES, with_drawings
 from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location
 from ladder_ros.drawing.rung_text import draw_program, Style
@@ -41,7 +41,7 @@ from ladder_ros.runtime.statistics import Statistics
 from ladder_ros.runtime.trace_csv import format_rows, InputTable, read_inputs
 from ladder_ros.runtime.values import check_value, format_value, parse_value
 from ladder_ros.source.model_to_xml import write_program
-from ladder_ros.source.xml_to_model import parse_program
+from ladder_ros.source.read_any import folder_hash, openplc_folder, parse_any, read_any
 from ladder_ros.source.xml_tree import read_file
 
 __all__ = [
@@ -102,8 +102,11 @@ class Loaded:
 
 def _read(path: str | os.PathLike[str]) -> tuple[Program, str]:
     """Return a program and the SHA-256 of the very bytes that it was read from."""
+    folder = openplc_folder(os.fspath(path))
+    if folder is not None:
+        return read_any(path), folder_hash(folder)
     data = read_file(path)
-    return parse_program(data, os.fspath(path)), hashlib.sha256(data).hexdigest()
+    return parse_any(data, os.fspath(path)), hashlib.sha256(data).hexdigest()
 
 
 def check(path: str | os.PathLike[str]) -> tuple[Diagnostic, ...]:
@@ -138,7 +141,7 @@ def show(
     """
     program, _ = _read(path)
     _require_pou(program, pou)
-    return draw_program(program, pou, Style(ascii_only=ascii_only, grid=grid))
+    return draw_program(with_drawings(program), pou, Style(ascii_only=ascii_only, grid=grid))
 
 
 def export(path: str | os.PathLike[str], to: str) -> str:

@@ -56,6 +56,7 @@ MAY_IMPORT: dict[str, set[str]] = {
 ROS_ROOMS = {'ros', 'demo'}
 LIBRARIES: dict[str, set[str]] = {
     'typing_extensions': {''},  # everywhere
+    'lark': {'source'},
     'lxml': {'source'},
     'yaml': {'ros'},
     'llvmlite': {'compiler.il_to_llvm'},

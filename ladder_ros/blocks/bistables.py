@@ -1,6 +1,6 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Edge detection and latches (IEC 61131-3, 6.6.3.5.2 and 6.6.3.5.3, tables 43 and 44)."""
+"""Edge detection and latches (IEC 61131-3, 6.6.3.5.2 and 6.6.3.5.3, tables 43 and 44); SEMA."""
 
 from __future__ import annotations
 
@@ -23,3 +23,8 @@ def sr(now: int, s1: bool, r: bool, q1: bool) -> tuple[bool]:
 def rs(now: int, s: bool, r1: bool, q1: bool) -> tuple[bool]:
     """Reset-dominant latch."""
     return (not r1 and (s or q1),)
+
+
+def sema(now: int, claim: bool, release: bool, busy: bool) -> tuple[bool]:
+    """Semaphore (first edition of the standard): a latch where the claim wins."""
+    return (claim or (busy and not release),)

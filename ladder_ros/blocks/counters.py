@@ -1,6 +1,6 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Counters CTU, CTD and CTUD (IEC 61131-3, 6.6.3.5.4, table 45), of type INT.
+"""Counters CTU, CTD and CTUD (IEC 61131-3, 6.6.3.5.4, table 45), of any integer type.
 
 CU and CD count at their rising edges; an input that is TRUE in the very first scan counts.  The
 standard leaves the limits PVmax and PVmin to the implementer: counting up stops at PV and counting

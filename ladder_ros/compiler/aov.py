@@ -14,6 +14,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from ladder_ros.compiler.il import Instruction
 from ladder_ros.compiler.symbols import Operand, Ref, Resolved
 from ladder_ros.compiler.wiring import describe, Rail
 from ladder_ros.model.component import Block, Coil, Component, Contact, Instance
@@ -26,7 +27,9 @@ class SymbolVertex:
     ``path`` is the component's id, behind the path of the inline instance that it comes from
     (``i1/2/c3``: component c3 of rung 2 of instance i1).  ``resolved`` refers to names of the POU
     that the graph belongs to; ``instance`` is the block's or composite's instance there, and
-    ``memory`` the hidden variable of an edge contact or coil.
+    ``memory`` the hidden variable of an edge contact or coil.  In imported drawings ``prelude`` is
+    what is executed first, ``body`` the code of an EXECUTE box; ``is_block`` tells that the
+    instance is an imported POU, and ``touches`` is what that may read and write outside.
     """
 
     id: int
@@ -35,6 +38,10 @@ class SymbolVertex:
     resolved: Resolved
     instance: str = ''
     memory: Ref | None = None
+    prelude: tuple[Instruction, ...] = ()
+    body: tuple[Instruction, ...] = ()
+    is_block: bool = False
+    touches: tuple[Operand, ...] = ()
 
     def __str__(self) -> str:
         return f's{self.id}'
@@ -44,10 +51,18 @@ def describe_symbol(symbol: SymbolVertex) -> str:
     """Return what the component is, with the operand that it has in this graph's POU."""
     component = symbol.component
     if isinstance(component, (Contact, Coil)):
-        return describe(replace(component, operand=str(symbol.resolved.operand)))
+        return describe(replace(component, operand=operand_text(symbol)))
     if isinstance(component, (Block, Instance)):
         return describe(replace(component, instance=symbol.instance))
     return describe(component)
+
+
+def operand_text(symbol: SymbolVertex) -> str:
+    """Return a contact's or coil's operand in this POU; an expression as it was written."""
+    text = str(symbol.resolved.operand)
+    if text.startswith('%T') and isinstance(symbol.component, (Contact, Coil)):
+        return symbol.component.operand
+    return text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -149,12 +164,22 @@ def reads_and_writes(symbol: SymbolVertex) -> tuple[tuple[Operand, ...], tuple[O
     """Return what evaluating the vertex reads, and what it writes (private memory left out)."""
     resolved = symbol.resolved
     component = symbol.component
-    operands = tuple(operand for _, operand in resolved.inputs)
-    if isinstance(component, Block):
+    before = tuple(_prelude_reads(symbol))
+    operands = before + tuple(operand for _, operand in resolved.inputs)
+    if isinstance(component, Block) and not symbol.body:
         return operands, tuple(ref for _, ref in resolved.outputs)
-    if isinstance(component, Instance):
-        return operands, operands
+    if isinstance(component, (Block, Instance)):
+        return operands + symbol.touches, operands + symbol.touches
     assert resolved.operand is not None
     if isinstance(component, Contact):
-        return (resolved.operand,), ()
-    return (), (resolved.operand,)
+        return (*before, resolved.operand), ()
+    return before, (resolved.operand,)
+
+
+def _prelude_reads(symbol: SymbolVertex) -> Iterator[Operand]:
+    for instruction in symbol.prelude:
+        if instruction.operand is not None:
+            yield instruction.operand
+        if instruction.call is not None:
+            for _, operand in instruction.call.inputs:
+                yield operand

@@ -5,13 +5,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 from ladder_ros.compiler.il import InstructionList
 from ladder_ros.compiler.il_text import print_il
 from ladder_ros.compiler.il_to_python import emit_python
-from ladder_ros.compiler.link import lay_out, link_code, list_components
+from ladder_ros.compiler.imported import is_imported
+from ladder_ros.compiler.lay_out import lay_out
+from ladder_ros.compiler.link import link_code, list_components
 from ladder_ros.compiler.pipeline import analyse, build_trees, lower, Stages
 from ladder_ros.compiler.symbols import pou_key
+from ladder_ros.compiler.tree_to_drawing import draw_forest
 from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.model.program import Body, Pou, Program
 
@@ -25,6 +29,26 @@ def dump_stage(program: Program, stage: str, pou: str | None = None) -> str:
     if has_errors(stages.diagnostics):
         raise LadderError(stages.diagnostics)
     return _DUMPS[stage](program, stages, pou)
+
+
+def with_drawings(program: Program) -> Program:
+    """Return an imported program with its drawings on our grid, as far as it compiles.
+
+    A program of our own format is returned as it is.
+    """
+    pous: list[Pou] = [*program.composites, *program.bodies]
+    if not any(is_imported(pou) for pou in pous):
+        return program
+    stages = analyse(program)
+    if has_errors(stages.diagnostics):
+        raise LadderError(stages.diagnostics)
+    drawn = {
+        key: tuple(draw_forest(forest) for forest in forests)
+        for key, forests in build_trees(program, stages, inline=True).items()}
+    return replace(
+        program,
+        composites=tuple(replace(c, rungs=drawn.get(pou_key(c), ())) for c in program.composites),
+        bodies=tuple(replace(b, rungs=drawn.get(pou_key(b), ())) for b in program.bodies))
 
 
 def _chosen(program: Program, pou: str | None) -> list[Pou]:
@@ -63,7 +87,7 @@ def _tree(program: Program, stages: Stages, pou: str | None) -> str:
 
 
 def _code(program: Program, stages: Stages, pou: str | None) -> InstructionList:
-    code = link_code(program, lower(build_trees(program, stages)))
+    code = link_code(program, {**lower(build_trees(program, stages)), **stages.texts})
     if pou is None:
         return code
     names = {p.name.casefold() for p in _chosen(program, pou)}

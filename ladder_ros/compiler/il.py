@@ -20,6 +20,13 @@ S R x                        x := TRUE, or FALSE, if the current result is TRUE
 STP STF x, m                 x := rising, or falling, edge of the current result; m holds the last
 CAL type instance            call a function block: current result -> power input, output -> result
 FUN type                     call a function: current result -> EN, ENO or OUT -> result
+NOT                          negate the current result
+MOV type x, y                y := x, whatever the current result is
+IF ... ELSE ... FI           pop the result: execute the first part if TRUE, else the second
+LOOP ... POOL                repeat until BRK leaves
+BRK                          pop the result: if TRUE leave the innermost loop
+RET                          pop the result: if TRUE leave the routine
+RUN composite instance       as EXE, for an imported function block: nothing happens when that ends
 EXE composite instance       execute the instance's routine if the current result is TRUE; when
                              that ends, release the routine's timers once
 ===========================  ======================================================================
@@ -31,11 +38,11 @@ inside a parallel one).  EXE leaves the result as it is: ENO is EN.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-from ladder_ros.compiler.symbols import Operand, Ref
+from ladder_ros.compiler.symbols import Operand, Ref, Target
 from ladder_ros.model.types import DataType
 
 
@@ -71,12 +78,24 @@ class Op(Enum):
     CAL = 'CAL'
     FUN = 'FUN'
     EXE = 'EXE'
+    RUN = 'RUN'
+    NOT = 'NOT'
+    MOV = 'MOV'
+    IF = 'IF'
+    ELSE = 'ELSE'
+    FI = 'FI'
+    LOOP = 'LOOP'
+    BRK = 'BRK'
+    POOL = 'POOL'
+    RET = 'RET'
 
 
 LOADS = frozenset({Op.LD, Op.LDN, Op.LDP, Op.LDF})
 EDGES = frozenset({Op.LDP, Op.LDF, Op.ANDP, Op.ANDF, Op.ORP, Op.ORF, Op.STP, Op.STF})
 STORES = frozenset({Op.ST, Op.STN, Op.S, Op.R, Op.STP, Op.STF})
-BARE = frozenset({Op.ANB, Op.ORB, Op.MPS, Op.MRD, Op.MPP, Op.LRD, Op.LPP, Op.DRP})
+CONTROL = frozenset({Op.IF, Op.ELSE, Op.FI, Op.LOOP, Op.BRK, Op.POOL, Op.RET})
+BARE = CONTROL | {
+    Op.ANB, Op.ORB, Op.MPS, Op.MRD, Op.MPP, Op.LRD, Op.LPP, Op.DRP, Op.NOT}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,19 +112,21 @@ class Call:
     instance: str = ''
     type: DataType = DataType.BOOL
     inputs: tuple[tuple[str, Operand], ...] = ()
-    outputs: tuple[tuple[str, Ref], ...] = ()
+    outputs: tuple[tuple[str, Target], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Instruction:
     """An operator and what it works on.
 
-    ``component`` is the path of the component whose evaluation ends here, or empty.
+    ``component`` is the path of the component whose evaluation ends here, or empty; ``target`` is
+    what MOV writes.
     """
 
     op: Op
     operand: Operand | None = None
     memory: Ref | None = None
+    target: Target | None = None
     call: Call | None = None
     component: str = ''
 
@@ -140,11 +161,36 @@ class InstructionList:
     routines: tuple[Routine, ...]
 
 
+LOOP_LIMIT = 1_000_000
+"""Most rounds that the loops of one rung, or of one Structured Text body, may make in a scan."""
+
+
+class LoopError(RuntimeError):
+    """A loop that does not end: the watchdog of a scan."""
+
+
+def matching(code: Sequence[Instruction], place: int, step: int) -> int:
+    """Return where what opens (step 1) or closes (step -1) at ``place`` ends or starts.
+
+    From IF and ELSE that is the ELSE or FI, from LOOP the POOL, from POOL the LOOP.
+    """
+    depth = 0
+    opening, closing = {Op.IF, Op.LOOP}, {Op.FI, Op.POOL}
+    if step < 0:
+        opening, closing = closing, opening
+    while True:
+        place += step
+        op = code[place].op
+        if depth == 0 and (op in closing or op is Op.ELSE):
+            return place
+        depth += (op in opening) - (op in closing)
+
+
 def active_flag(instance: str) -> Ref:
     """Return the hidden variable that says whether an enabled composite was executed last time."""
     return Ref(path=f'{instance}.%active', type=DataType.BOOL)
 
 
-def temporary(number: int) -> Ref:
+def temporary(number: int, type_: DataType = DataType.BOOL) -> Ref:
     """Return the temporary of that number; it lives as long as its network."""
-    return Ref(path=f'%T{number}', type=DataType.BOOL)
+    return Ref(path=f'%T{number}', type=type_)

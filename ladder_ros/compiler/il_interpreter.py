@@ -4,20 +4,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ladder_ros.blocks import FUNCTION_BLOCKS, FUNCTIONS, RELEASE
 from ladder_ros.compiler.il import (
     active_flag,
     Call,
+    CONTROL,
     Instruction,
     InstructionList,
+    LOOP_LIMIT,
+    LoopError,
+    matching,
     Network,
     Op,
     Routine,
 )
-from ladder_ros.compiler.symbols import Operand, Ref
+from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
 from ladder_ros.diagnostics import InternalError
 from ladder_ros.executable import Scan, State
 from ladder_ros.model.catalogue import CATALOGUE
@@ -65,38 +69,84 @@ class _Machine:
     power: list[bool] | None
     stack: list[bool] = field(default_factory=list)
     memory: list[bool] = field(default_factory=list)
-    temporaries: dict[str, bool] = field(default_factory=dict)
+    temporaries: dict[str, Value] = field(default_factory=dict)
 
     def run(self, routine: Routine) -> None:
         for network in routine.networks:
-            self._network(network)
+            if self._network(network):
+                return
 
-    def _network(self, network: Network) -> None:
+    def _network(self, network: Network) -> bool:
+        """Execute a rung; return whether the routine is to be left."""
         outer = self.stack, self.memory, self.temporaries
         self.stack, self.memory, self.temporaries = [], [], {}
-        for instruction in network.code:
+        place, leave = 0, False
+        rounds = 0
+        while place < len(network.code) and not leave:
+            instruction = network.code[place]
+            if instruction.op in CONTROL:
+                place, leave = self._control(network.code, place)
+                rounds += instruction.op is Op.POOL
+                if rounds > LOOP_LIMIT:
+                    raise LoopError(f'rung {network.rung}: a loop does not end')
+                continue
             self._step(instruction)
-            if self.power is not None and instruction.component:
+            if self.power is not None and instruction.component and self.stack:
                 self.power[self.components[instruction.component]] = self.stack[-1]
+            place += 1
         self.stack, self.memory, self.temporaries = outer
+        return leave
+
+    def _control(self, code: Sequence[Instruction], place: int) -> tuple[int, bool]:
+        """Return where to go on, and whether the routine is to be left."""
+        op = code[place].op
+        if op is Op.RET:
+            return place + 1, self.stack.pop()
+        if op is Op.IF:
+            return place + 1 if self.stack.pop() else matching(code, place, 1) + 1, False
+        if op is Op.ELSE:
+            return matching(code, place, 1) + 1, False
+        if op is Op.POOL:
+            return matching(code, place, -1) + 1, False
+        if op is Op.BRK and self.stack.pop():
+            while code[place].op is not Op.POOL:
+                place += 1
+                if code[place].op is Op.LOOP:
+                    place = matching(code, place, 1) + 1
+        return place + 1, False
 
     def read(self, operand: Operand) -> Value:
         """Return the value of a literal, a temporary or a variable."""
-        if not isinstance(operand, Ref):
+        if isinstance(operand, Literal):
             return operand.value
+        if isinstance(operand, Element):
+            place = self._element(operand)
+            return default_value(operand.type) if place is None else self.state[place]
         if operand.path.startswith('%T'):
             return self.temporaries[operand.path]
         return self.state[self.slots[operand.path.casefold()]]
 
-    def write(self, ref: Operand, value: Value) -> None:
+    def write(self, target: Operand, value: Value) -> None:
         """Write a temporary or a variable, unless that is forced."""
-        assert isinstance(ref, Ref)
-        if ref.path.startswith('%T'):
-            self.temporaries[ref.path] = bool(value)
-            return
-        index = self.slots[ref.path.casefold()]
-        if index not in self.forced:
+        index: int | None
+        if isinstance(target, Element):
+            index = self._element(target)
+        else:
+            assert isinstance(target, Ref)
+            if target.path.startswith('%T'):
+                self.temporaries[target.path] = value
+                return
+            index = self.slots[target.path.casefold()]
+        if index is not None and index not in self.forced:
             self.state[index] = value
+
+    def _element(self, element: Element) -> int | None:
+        """Return the slot of an array element, or None (an error is counted) beyond the array."""
+        index = int(self.read(element.index))
+        if not 0 <= index < element.count:
+            self.state[0] = int(self.state[0]) + 1
+            return None
+        return self.slots[element.first.path.casefold()] + index * element.stride
 
     def _step(self, instruction: Instruction) -> None:
         op = instruction.op
@@ -116,6 +166,11 @@ class _Machine:
                 self.memory.pop()
         elif op is Op.DRP:
             self.stack.pop()
+        elif op is Op.NOT:
+            self.stack[-1] = not self.stack[-1]
+        elif op is Op.MOV:
+            assert instruction.operand is not None and instruction.target is not None
+            self.write(instruction.target, self.read(instruction.operand))
         elif instruction.call is not None:
             self._call(op, instruction.call)
         else:
@@ -166,13 +221,20 @@ class _Machine:
             self._function_block(call)
         elif op is Op.FUN:
             self._function(call)
+        elif op is Op.RUN:
+            self.write(active_flag(call.instance), self.stack[-1])
+            if self.stack[-1]:
+                self.run(self.routines[False, call.instance])
         else:
             self._enabled(call)
 
     def _function_block(self, call: Call) -> None:
         kind = CATALOGUE[call.name]
         bound: dict[str, Value] = {pin: self.read(operand) for pin, operand in call.inputs}
-        bound[kind.power_input] = self.stack[-1]
+        if not bound.pop('EN', True):
+            self.stack[-1] = bool(self.read(_field(call, kind.power_output)))
+            return
+        bound.setdefault(kind.power_input, self.stack[-1])
         inputs = [bound[pin.name] for pin in kind.inputs]
         fields = [_field(call, pin.name) for pin in kind.state]
         after = FUNCTION_BLOCKS[call.name](self.now, *inputs, *(self.read(f) for f in fields))
@@ -197,7 +259,7 @@ class _Machine:
                 self.write(target, is_fine)
             elif power:
                 self.write(target, result)
-            elif '%data' in target.path:
+            elif '%data' in str(target):
                 self.write(target, default_value(target.type))
         self.stack[-1] = is_fine if kind.power_output == 'ENO' else power and bool(result)
 

@@ -18,7 +18,7 @@ from ladder_ros.compiler.il import (
     Op,
     Routine,
 )
-from ladder_ros.compiler.symbols import Literal, Operand, Ref
+from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.types import DataType, parse_literal
@@ -42,7 +42,9 @@ def _print(program: InstructionList) -> Iterator[str]:
 def print_instruction(instruction: Instruction) -> str:
     """Return one instruction as a line of text."""
     text = f'{instruction.op.value:5}'
-    if instruction.call is not None:
+    if instruction.op is Op.MOV and instruction.operand is not None:
+        text += f'{instruction.operand.type} {instruction.operand} => {instruction.target}'
+    elif instruction.call is not None:
         text += _print_call(instruction.op, instruction.call)
     elif instruction.operand is not None:
         text += str(instruction.operand)
@@ -54,7 +56,7 @@ def print_instruction(instruction: Instruction) -> str:
 
 
 def _print_call(op: Op, call: Call) -> str:
-    if op is Op.EXE:
+    if op in (Op.EXE, Op.RUN):
         return f'{call.name} {call.instance}'
     inputs = ', '.join(f'{pin} := {operand}' for pin, operand in call.inputs)
     outputs = ', '.join(f'{pin} => {ref}' for pin, ref in call.outputs)
@@ -70,7 +72,11 @@ _CALL = re.compile(
     rf'(?P<name>\w+) (?P<what>[\w.%]+) \((?P<inputs>(?:{_STRING}|[^\'()])*)\) '
     r'\((?P<outputs>[^()]*)\)$')
 _PAIR = re.compile(rf'(\w+) (?::=|=>) ({_STRING}|[^,\']+)(?:, |$)')
-_REF = re.compile(r'[A-Za-z_%][\w.%]*$')
+_PATH = r'[A-Za-z_%][\w.%]*(?:\[[-\d,]+\][\w.%]*)*'
+_REF = re.compile(_PATH + '$')
+_MOVE = re.compile(rf'(?P<type>[A-Z]+) (?P<source>{_STRING}|.+?) => (?P<target>.+)$')
+_ELEMENT = re.compile(
+    rf'(?P<first>{_PATH})\{{(?P<index>[^,{{}}]+), (?P<count>\d+), (?P<stride>\d+)\}}$')
 
 
 def parse_il(text: str, file: str = '') -> InstructionList:
@@ -121,7 +127,9 @@ def _parse_instruction(line: str, location: Location) -> Instruction:
         if rest:
             raise _bad(location, line, f'{op.value} alone')
         return Instruction(op=op, component=component)
-    if op in (Op.CAL, Op.FUN, Op.EXE):
+    if op is Op.MOV:
+        return _parse_move(rest, component, location, line)
+    if op in (Op.CAL, Op.FUN, Op.EXE, Op.RUN):
         return Instruction(op=op, call=_parse_call(op, rest, location, line), component=component)
     parts = [part.strip() for part in rest.split(',')]
     if len(parts) != (2 if op in EDGES else 1) or not all(parts):
@@ -132,9 +140,28 @@ def _parse_instruction(line: str, location: Location) -> Instruction:
         component=component)
 
 
+def _parse_move(text: str, component: str, location: Location, line: str) -> Instruction:
+    match = _MOVE.match(text)
+    if match is None or match['type'] not in DataType.__members__:
+        raise _bad(location, line, 'MOV TYPE source => target')
+    type_ = DataType[match['type']]
+    target = _operand(match['target'], type_, location, line)
+    if isinstance(target, Literal):
+        raise _bad(location, line, 'a variable behind =>')
+    return Instruction(op=Op.MOV, operand=_operand(match['source'], type_, location, line),
+                       target=target, component=component)
+
+
 def _operand(text: str, type_: DataType, location: Location, line: str) -> Operand:
     if _REF.match(text) and text not in ('TRUE', 'FALSE'):
         return Ref(path=text, type=type_)
+    element = _ELEMENT.match(text)
+    if element is not None:
+        index = _operand(element['index'], DataType.DINT, location, line)
+        if isinstance(index, Element):
+            raise _bad(location, line, 'a variable or a number as index')
+        return Element(first=Ref(path=element['first'], type=type_), index=index,
+                       count=int(element['count']), stride=int(element['stride']))
     try:
         return Literal(value=parse_literal(text, type_), type=type_)
     except ValueError as error:
@@ -142,10 +169,10 @@ def _operand(text: str, type_: DataType, location: Location, line: str) -> Opera
 
 
 def _parse_call(op: Op, text: str, location: Location, line: str) -> Call:
-    if op is Op.EXE:
+    if op in (Op.EXE, Op.RUN):
         name, _, instance = text.partition(' ')
         if not _REF.match(name) or not _REF.match(instance):
-            raise _bad(location, line, 'EXE composite instance')
+            raise _bad(location, line, f'{op.value} composite instance')
         return Call(name=name, instance=instance)
     match = _CALL.match(text)
     kind = CATALOGUE.get(match['name']) if match else None
@@ -155,7 +182,7 @@ def _parse_call(op: Op, text: str, location: Location, line: str) -> Call:
         raise _bad(location, line, 'FUN function TYPE (inputs) (outputs)')
     generic = DataType[match['what']] if op is Op.FUN else DataType.BOOL
     inputs: list[tuple[str, Operand]] = []
-    outputs: list[tuple[str, Ref]] = []
+    outputs: list[tuple[str, Target]] = []
     for pins, wanted, is_input in (
         (_PAIR.findall(match['inputs']), kind.inputs, True),
         (_PAIR.findall(match['outputs']), kind.outputs, False),
@@ -169,7 +196,7 @@ def _parse_call(op: Op, text: str, location: Location, line: str) -> Call:
             operand = _operand(value.strip(), type_, location, line)
             if is_input:
                 inputs.append((pin_name, operand))
-            elif isinstance(operand, Ref):
+            elif not isinstance(operand, Literal):
                 outputs.append((pin_name, operand))
     return Call(name=kind.name, instance=match['what'] if op is Op.CAL else '', type=generic,
                 inputs=tuple(inputs), outputs=tuple(outputs))

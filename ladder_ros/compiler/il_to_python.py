@@ -18,13 +18,16 @@ from ladder_ros.blocks import FUNCTION_BLOCKS, FUNCTIONS, RELEASE
 from ladder_ros.compiler.il import (
     active_flag,
     Call,
+    CONTROL,
     Instruction,
     InstructionList,
+    LOOP_LIMIT,
+    LoopError,
     Network,
     Op,
     Routine,
 )
-from ladder_ros.compiler.symbols import Literal, Operand, Ref
+from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
 from ladder_ros.executable import Scan
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.types import default_value, Value
@@ -124,7 +127,8 @@ class _Program:
         self.lines += ['', '', f'def {name}(s, now, p):']
         if self.observed and routine.is_body:
             self.lines.append(f'    p[:] = [False] * {len(self.components)}')
-        self.lines += [f'    {name}_{number}(s, now, p)' for number in range(len(parts))]
+        self.lines += [f'    if {name}_{number}(s, now, p):\n        return'
+                       for number in range(len(parts))]
         self.lines.append('    return')
         if not routine.is_body:
             self.lines += ['', '', f'def {name}_release(s):']
@@ -195,6 +199,12 @@ class _Emitter:
     stack: list[_Value] = field(default_factory=list)
     memory: list[_Value] = field(default_factory=list)
     locals: int = 0
+    indent: str = ''
+    loops: list[str] = field(default_factory=list)
+
+    def put(self, line: str) -> None:
+        """Append a line of code, inside the IFs and LOOPs that are open."""
+        self.lines.append(self.indent + line)
 
     def emit(self, network: Network) -> list[str]:
         for number, instruction in enumerate(network.code):
@@ -202,9 +212,9 @@ class _Emitter:
             is_last = not self.program.observed and (
                 not following or following[0].op is Op.DRP)
             self._instruction(instruction, is_last)
-            if self.program.observed and instruction.component:
+            if self.program.observed and instruction.component and self.stack:
                 index = self.program.components[instruction.component]
-                self.lines.append(f'p[{index}] = {self._settle().text}')
+                self.put(f'p[{index}] = {self._settle().text}')
         return self.lines
 
     def _fresh(self) -> str:
@@ -216,7 +226,7 @@ class _Emitter:
         top = self.stack[-1]
         if top.reads or top.kind or ' ' in top.text:
             name = self._fresh()
-            self.lines.append(f'{name} = {top.text}')
+            self.put(f'{name} = {top.text}')
             top = self.stack[-1] = _Value(text=name)
         return top
 
@@ -226,12 +236,14 @@ class _Emitter:
             for position, value in enumerate(values):
                 if value.reads and (slots is None or value.reads & slots):
                     name = self._fresh()
-                    self.lines.append(f'{name} = {value.text}')
+                    self.put(f'{name} = {value.text}')
                     values[position] = _Value(text=name)
 
     def _read(self, operand: Operand) -> _Value:
         if isinstance(operand, Literal):
             return _Value(text=self.program.constant(operand.value))
+        if isinstance(operand, Element):
+            return self._read_element(operand)
         if operand.path.startswith('%T'):
             return _Value(text=operand.path.replace('%', ''))
         index = self.program.index(operand)
@@ -243,19 +255,99 @@ class _Emitter:
                        depth=max(depth_a, depth_b))
         if len(value.text) > _LONGEST_EXPRESSION or value.depth > _DEEPEST_EXPRESSION:
             name = self._fresh()
-            self.lines.append(f'{name} = {value.text}')
+            self.put(f'{name} = {value.text}')
             value = _Value(text=name)
         return value
 
     def _write(self, ref: Operand, text: str) -> None:
         """Assign to a variable that is not forced; what reads it has been saved."""
+        if isinstance(ref, Element):
+            self._write_element(ref, text)
+            return
         assert isinstance(ref, Ref)
         if ref.path.startswith('%T'):
-            self.lines.append(f'{ref.path.replace("%", "")} = {text}')
+            self.put(f'{ref.path.replace("%", "")} = {text}')
             return
         index = self.program.index(ref)
         if index not in self.program.forced:
-            self.lines.append(f's[{index}] = {text}')
+            self.put(f's[{index}] = {text}')
+
+    def _element_place(self, element: Element) -> tuple[str, str]:
+        """Return the condition that an element is in its array, and its place in the state."""
+        index = self._fresh()
+        self.put(f'{index} = {self._read(element.index).text}')
+        first = self.program.index(element.first)
+        return (f'0 <= {index} < {element.count}',
+                f's[{first} + {index} * {element.stride}]')
+
+    def _read_element(self, element: Element) -> _Value:
+        inside, place = self._element_place(element)
+        name = self._fresh()
+        self.put(f'if {inside}: {name} = {place}')
+        zero = self.program.constant(default_value(element.type))
+        self.put(f'else: {name} = {zero}; s[0] += 1')
+        return _Value(text=name)
+
+    def _write_element(self, element: Element, text: str) -> None:
+        inside, place = self._element_place(element)
+        first = self.program.index(element.first)
+        slots = range(first, first + element.count * element.stride, element.stride)
+        held = [index for index in slots if index in self.program.forced]
+        for index in held:
+            self.put(f'f{index} = s[{index}]')
+        self.put(f'if {inside}: {place} = {text}')
+        self.put('else: s[0] += 1')
+        for index in held:
+            self.put(f's[{index}] = f{index}')
+
+    def _slots(self, target: Operand) -> frozenset[int]:
+        """Return the slots that writing the target may change."""
+        if isinstance(target, Element):
+            first = self.program.index(target.first)
+            return frozenset(
+                range(first, first + target.count * target.stride, target.stride))
+        assert isinstance(target, Ref)
+        if target.path.startswith('%T'):
+            return frozenset()
+        return frozenset({self.program.index(target)})
+
+    def _move(self, instruction: Instruction) -> None:
+        assert instruction.operand is not None and instruction.target is not None
+        value = self._read(instruction.operand)
+        self._save_readers(self._slots(instruction.target))
+        self._write(instruction.target, value.text)
+
+    def _control(self, op: Op) -> None:
+        """Open and close Python's blocks; what is on the stack then is in local variables."""
+        condition = self.stack.pop().text if op in (Op.IF, Op.BRK, Op.RET) else ''
+        self._save_readers(None)
+        if op is Op.IF:
+            self.put(f'if {condition}:')
+            self.indent += '    '
+            self.put('pass')
+        elif op is Op.ELSE:
+            self.indent = self.indent[4:]
+            self.put('else:')
+            self.indent += '    '
+            self.put('pass')
+        elif op is Op.LOOP:
+            rounds = self._fresh()
+            self.put(f'{rounds} = 0')
+            self.put('while True:')
+            self.indent += '    '
+            self.loops.append(rounds)
+        elif op is Op.POOL:
+            rounds = self.loops.pop()
+            error = self.program.name('LoopError', LoopError)
+            self.put(f'{rounds} += 1')
+            self.put(f"if {rounds} > {LOOP_LIMIT}: raise {error}('a loop does not end')")
+            self.indent = self.indent[4:]
+        elif op is Op.FI:
+            self.indent = self.indent[4:]
+        elif op is Op.BRK:
+            self.put(f'if {condition}: break')
+        else:
+            self.put(f'if {condition}: return True')
 
     def _instruction(self, instruction: Instruction, is_last: bool) -> None:
         op = instruction.op
@@ -276,6 +368,13 @@ class _Emitter:
                 self.memory.pop() if op in (Op.MPP, Op.LPP) else self.memory[-1])
         elif op is Op.DRP:
             self.stack.pop()
+        elif op is Op.NOT:
+            top = self._settle()
+            self.stack[-1] = _Value(text=f'not {top.text}', kind='not')
+        elif op is Op.MOV:
+            self._move(instruction)
+        elif op in CONTROL:
+            self._control(op)
         elif instruction.call is not None:
             self._call(op, instruction.call)
         else:
@@ -306,15 +405,14 @@ class _Emitter:
         memory = self._read(instruction.memory).text
         name = self._fresh()
         level = now if mode == 'P' else f'not {now}'
-        self.lines.append(f'{name} = {level} and not {memory}')
+        self.put(f'{name} = {level} and not {memory}')
         self._write(instruction.memory, level)
         return _Value(text=name)
 
     def _coil(self, instruction: Instruction, is_last: bool) -> None:
         op, operand = instruction.op, instruction.operand
-        assert isinstance(operand, Ref)
-        is_slot = not operand.path.startswith('%T')
-        written = frozenset({self.program.index(operand)}) if is_slot else frozenset()
+        assert operand is not None
+        written = self._slots(operand)
         if op in (Op.STP, Op.STF):
             power = self._settle().text
             edge = self._edge(instruction, power, op.value[2])
@@ -330,9 +428,12 @@ class _Emitter:
             self._write(operand, power)
         elif op is Op.STN:
             self._write(operand, f'not {power}')
-        elif not written & self.program.forced:
-            self.lines.append(f'if {power}:')
-            self.lines.append(f'    s[{self.program.index(operand)}] = {op is Op.S}')
+        else:
+            self.put(f'if {power}:')
+            self.indent += '    '
+            self.put('pass')
+            self._write(operand, str(op is Op.S))
+            self.indent = self.indent[4:]
 
     def _call(self, op: Op, call: Call) -> None:
         if op is Op.CAL:
@@ -340,25 +441,42 @@ class _Emitter:
         elif op is Op.FUN:
             self._function(call)
         else:
-            power = self._settle().text
-            self._save_readers(None)
-            flag = self.program.index(active_flag(call.instance))
-            routine = self.program.routine_names[False, call.instance]
-            self.lines += [f'if {power}:', f'    s[{flag}] = True', f'    {routine}(s, now, p)',
-                           f'elif s[{flag}]:', f'    {routine}_release(s)']
+            self._routine_call(op, call)
+
+    def _routine_call(self, op: Op, call: Call) -> None:
+        power = self._settle().text
+        self._save_readers(None)
+        flag = self.program.index(active_flag(call.instance))
+        routine = self.program.routine_names[False, call.instance]
+        if op is Op.RUN:
+            self.put(f's[{flag}] = {power}')
+            self.put(f'if {power}: {routine}(s, now, p)')
+            return
+        for line in (f'if {power}:', f'    s[{flag}] = True', f'    {routine}(s, now, p)',
+                     f'elif s[{flag}]:', f'    {routine}_release(s)'):
+            self.put(line)
 
     def _function_block(self, call: Call) -> None:
         kind = CATALOGUE[call.name]
         first, last = self.program.fields(call)
         bound = {pin: self._read(operand).text for pin, operand in call.inputs}
-        bound[kind.power_input] = self.stack.pop().text
+        power = self.stack.pop().text
+        bound.setdefault(kind.power_input, power)
         self._save_readers(self._written(call) | frozenset(range(first, last)))
         function = self.program.name(f'step_{call.name}', FUNCTION_BLOCKS[call.name])
         arguments = ', '.join(bound[pin.name] for pin in kind.inputs)
-        self.lines += self.program.assign_fields(
-            call, f'{function}(now, {arguments}, *s[{first}:{last}])', self._fresh)
+        enabled = bound.get('EN', 'True')
+        if enabled != 'True':
+            self.put(f'if {enabled}:')
+            self.indent += '    '
+        for line in self.program.assign_fields(
+            call, f'{function}(now, {arguments}, *s[{first}:{last}])', self._fresh,
+        ):
+            self.put(line)
         for pin, target in call.outputs:
             self._write(target, f's[{self._field(call, pin)}]')
+        if enabled != 'True':
+            self.indent = self.indent[4:]
         output = self._field(call, kind.power_output)
         self.stack.append(_Value(text=f's[{output}]', reads=frozenset({output})))
 
@@ -366,7 +484,7 @@ class _Emitter:
         return self.program.slots[f'{call.instance}.{pin}'.casefold()]
 
     def _written(self, call: Call) -> frozenset[int]:
-        return frozenset(self.program.index(ref) for _, ref in call.outputs)
+        return frozenset().union(*(self._slots(target) for _, target in call.outputs))
 
     def _function(self, call: Call) -> None:
         kind = CATALOGUE[call.name]
@@ -377,21 +495,27 @@ class _Emitter:
             f'call_{call.name}_{call.type.value}', FUNCTIONS[call.name](call.type))
         arguments = ', '.join(self._read(operand).text for _, operand in call.inputs)
         out, fine = self._fresh(), self._fresh()
-        self.lines += [
-            f'if {power}:', f'    {out}, {fine} = {function}({arguments})',
-            f'    if not {fine}:', '        s[0] += 1',
-            'else:', f'    {out} = {fine} = False']
+        if power == 'True':
+            self.put(f'{out}, {fine} = {function}({arguments})')
+            self.put(f'if not {fine}: s[0] += 1')
+        else:
+            for line in (f'if {power}:', f'    {out}, {fine} = {function}({arguments})',
+                         f'    if not {fine}: s[0] += 1', f'else: {out} = {fine} = False'):
+                self.put(line)
         for pin, target in call.outputs:
-            before = len(self.lines)
             if pin == 'ENO':
                 self._write(target, fine)
-            elif '%data' in target.path:
+            elif power == 'True':
+                self._write(target, out)
+            elif '%data' in str(target):
                 zero = self.program.constant(default_value(target.type))
                 self._write(target, f'{out} if {power} else {zero}')
             else:
+                self.put(f'if {power}:')
+                self.indent += '    '
+                self.put('pass')
                 self._write(target, out)
-                for number in range(before, len(self.lines)):
-                    self.lines[number] = f'if {power}: {self.lines[number]}'
+                self.indent = self.indent[4:]
         self.stack.append(_Value(text=fine if kind.power_output == 'ENO' else out))
 
 

@@ -14,12 +14,17 @@ from ladder_ros.compiler.il import (
     Op,
     STORES,
 )
-from ladder_ros.compiler.symbols import Literal, Ref
+from ladder_ros.compiler.symbols import Literal, Operand, Ref
 from ladder_ros.diagnostics import InternalError, Location
 from ladder_ros.model.types import DataType
 
-_NEEDS = {Op.ANB: 2, Op.ORB: 2, Op.LRD: 0, Op.LPP: 0}
-_CHANGE = {Op.ANB: -1, Op.ORB: -1, Op.LRD: 1, Op.LPP: 1, Op.DRP: -1}
+_NEEDS = {
+    Op.ANB: 2, Op.ORB: 2, Op.LRD: 0, Op.LPP: 0, Op.MOV: 0, Op.ELSE: 0, Op.FI: 0, Op.LOOP: 0,
+    Op.POOL: 0,
+}
+_CHANGE = {
+    Op.ANB: -1, Op.ORB: -1, Op.LRD: 1, Op.LPP: 1, Op.DRP: -1, Op.IF: -1, Op.BRK: -1, Op.RET: -1,
+}
 _MEMORY_NEEDS = frozenset({Op.MRD, Op.MPP, Op.LRD, Op.LPP})
 _MEMORY_CHANGE = {Op.MPS: 1, Op.MPP: -1, Op.LPP: -1}
 
@@ -38,6 +43,7 @@ def _verify_network(routine: str, network: Network) -> None:
 
     depth = saved = 0
     stored: set[str] = set()
+    opened: list[tuple[Op, int]] = []
     for index, instruction in enumerate(network.code):
         op = instruction.op
         fault = _operand_fault(instruction, stored)
@@ -50,16 +56,40 @@ def _verify_network(routine: str, network: Network) -> None:
             raise broken(f'{op.value} finds nothing saved', index)
         depth += 1 if op in LOADS else _CHANGE.get(op, 0)
         saved += _MEMORY_CHANGE.get(op, 0)
+        fault = _control_fault(op, depth, opened)
+        if fault:
+            raise broken(fault, index)
         if op in STORES and isinstance(instruction.operand, Ref):
             stored.add(instruction.operand.path)
-    if network.code and (depth, saved) != (1, 0):
+        elif isinstance(instruction.target, Ref):
+            stored.add(instruction.target.path)
+        elif instruction.call is not None:
+            stored.update(str(target) for _, target in instruction.call.outputs)
+    if depth > 1 or saved or opened:
         raise broken(f'{depth} results and {saved} saved ones are left', len(network.code))
+
+
+def _control_fault(op: Op, depth: int, opened: list[tuple[Op, int]]) -> str:
+    """Keep account of open IFs and LOOPs; each leaves the stack as it found it."""
+    if op in (Op.IF, Op.LOOP):
+        opened.append((op, depth))
+    elif op in (Op.ELSE, Op.FI, Op.POOL):
+        start = Op.LOOP if op is Op.POOL else Op.IF
+        if not opened or opened[-1] != (start, depth):
+            return f'{op.value} does not fit what is open'
+        if op is not Op.ELSE:
+            opened.pop()
+    elif op is Op.BRK and all(kind is not Op.LOOP for kind, _ in opened):
+        return 'BRK outside a loop'
+    return ''
 
 
 def _operand_fault(instruction: Instruction, stored: set[str]) -> str:
     op, operand = instruction.op, instruction.operand
-    if op in (Op.CAL, Op.FUN, Op.EXE):
+    if op in (Op.CAL, Op.FUN, Op.EXE, Op.RUN):
         return '' if instruction.call is not None else f'{op.value} calls nothing'
+    if op is Op.MOV:
+        return _move_fault(instruction)
     if op in BARE:
         return '' if operand is None else f'{op.value} has an operand'
     if operand is None or operand.type is not DataType.BOOL:
@@ -73,7 +103,14 @@ def _operand_fault(instruction: Instruction, stored: set[str]) -> str:
     return ''
 
 
-def operand_is_unset(operand: Ref | Literal, stored: set[str]) -> bool:
+def _move_fault(instruction: Instruction) -> str:
+    source, target = instruction.operand, instruction.target
+    if source is None or target is None:
+        return 'MOV has no source or target'
+    return '' if source.type is target.type else f'MOV puts {source.type} into {target.type}'
+
+
+def operand_is_unset(operand: Operand, stored: set[str]) -> bool:
     """Say whether the operand is a temporary that nothing has written yet."""
     return isinstance(operand, Ref) and operand.path.startswith('%T') and (
         operand.path not in stored)

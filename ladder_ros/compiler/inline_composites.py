@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.aov import Aov, Arc, SymbolVertex, VirtualVertex
-from ladder_ros.compiler.symbols import Operand, Ref, substitute
+from ladder_ros.compiler.symbols import Operand, Ref, substitute, Target
 from ladder_ros.compiler.wiring import Rail
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.component import Instance
@@ -163,8 +163,8 @@ def _renamed(
     def rename(operand: Operand) -> Operand:
         return substitute(operand, prefix, bindings)
 
-    def rename_target(ref: Ref) -> Ref:
-        renamed = rename(ref)
+    def rename_target(target: Target) -> Ref:
+        renamed = rename(target)
         assert isinstance(renamed, Ref), 'a parameter that is written is bound to a variable'
         return renamed
 

@@ -1,6 +1,6 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Link: the code of each POU -> one instruction list, the layout of its state, its components.
+"""Link: the code of each POU -> one instruction list, and the list of its components.
 
 Each program body is a routine; each instance of an enabled composite is one, made from the
 composite's code by putting absolute paths for its names and parameters.
@@ -13,7 +13,6 @@ from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.aov import Aov
 from ladder_ros.compiler.il import (
-    active_flag,
     Call,
     Instruction,
     InstructionList,
@@ -21,21 +20,25 @@ from ladder_ros.compiler.il import (
     Op,
     Routine,
 )
-from ladder_ros.compiler.symbols import Operand, pou_key, Ref, Scope, substitute, Symbols
+from ladder_ros.compiler.symbols import (
+    Element,
+    is_address,
+    Literal,
+    Operand,
+    pou_key,
+    Ref,
+    substitute,
+    Target,
+)
 from ladder_ros.compiler.wiring import describe
-from ladder_ros.diagnostics import Location
-from ladder_ros.executable import ARITHMETIC_ERRORS, ComponentEntry, Slot, SlotClass
+from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.executable import ComponentEntry, Slot
 from ladder_ros.model.catalogue import CATALOGUE
-from ladder_ros.model.program import Composite, Program, Variable, VariableClass
-from ladder_ros.model.types import DataType, default_value, Value
+from ladder_ros.model.program import Composite, Program
+from ladder_ros.model.types import DataType
 
 Code = Mapping[str, Sequence[Network]]
 """The networks of each POU, by its key."""
-
-_CLASS = {
-    VariableClass.INPUT: SlotClass.INPUT, VariableClass.OUTPUT: SlotClass.OUTPUT,
-    VariableClass.LOCAL: SlotClass.LOCAL,
-}
 
 
 def link_code(program: Program, code: Code) -> InstructionList:
@@ -51,10 +54,16 @@ def link_code(program: Program, code: Code) -> InstructionList:
                 name=frame.name, networks=networks, is_body=frame.key.startswith('body '))
             routines.append(routine)
             pending.extend(reversed([
-                _frame(instruction, composites) for instruction in routine.instructions()
-                if instruction.op is Op.EXE]))
+                _frame(instruction, composites, frame.chain)
+                for instruction in routine.instructions()
+                if instruction.op in (Op.EXE, Op.RUN)]))
     routines.sort(key=lambda routine: not routine.is_body)
     return InstructionList(routines=tuple(routines))
+
+
+def is_hidden(path: str) -> bool:
+    """Say whether a path is the compiler's own, of something that belongs to one body."""
+    return path.startswith('%') and not is_address(path)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,15 +75,25 @@ class _Pending:
     path: str
     prefix: str = ''
     bindings: Mapping[str, Operand] = field(default_factory=dict)
+    chain: tuple[str, ...] = ()
 
 
-def _frame(instruction: Instruction, composites: Mapping[str, Composite]) -> _Pending:
+def _frame(
+    instruction: Instruction, composites: Mapping[str, Composite], outer: tuple[str, ...],
+) -> _Pending:
     call = instruction.call
     assert call is not None
+    composite = composites[call.name.casefold()]
+    if composite.name in outer:
+        chain = ' -> '.join((*outer, composite.name))
+        raise LadderError.of('L0207', composite.location, name=composite.name, chain=chain)
+    bindings: dict[str, Operand] = {
+        name.casefold(): Ref(path=name, type=DataType.BOOL) for name in composite.externals}
+    bindings.update((name.casefold(), operand) for name, operand in call.inputs)
     return _Pending(
-        name=call.instance, key=pou_key(composites[call.name.casefold()]),
-        path=instruction.component, prefix=f'{call.instance}.',
-        bindings={name.casefold(): operand for name, operand in call.inputs})
+        name=call.instance, key=pou_key(composite), prefix=f'{call.instance}.',
+        path=instruction.component or call.instance, bindings=bindings,
+        chain=(*outer, composite.name))
 
 
 def _place(network: Network, frame: _Pending) -> Network:
@@ -82,7 +101,7 @@ def _place(network: Network, frame: _Pending) -> Network:
     def operand(old: Operand) -> Operand:
         if isinstance(old, Ref) and old.path.startswith('%T'):
             return old
-        if isinstance(old, Ref) and old.path.startswith('%') and not frame.prefix:
+        if isinstance(old, Ref) and is_hidden(old.path) and not frame.prefix:
             # Bodies share the program's names, but not what the compiler adds for their rungs.
             kind, _, rest = old.path.partition('.')
             return Ref(path=f'{kind}.{frame.name}.{rest}', type=old.type)
@@ -93,96 +112,31 @@ def _place(network: Network, frame: _Pending) -> Network:
         assert isinstance(new, Ref), 'what is written is a variable'
         return new
 
+    def target(old: Target) -> Target:
+        new = operand(old)
+        assert not isinstance(new, Literal), 'what is written is a variable'
+        return new
+
     def call(old: Call) -> Call:
         return replace(
-            old, instance=frame.prefix + old.instance if old.instance else '',
+            old, instance=instance(old.instance) if old.instance else '',
             inputs=tuple((pin, operand(value)) for pin, value in old.inputs),
-            outputs=tuple((pin, ref(target)) for pin, target in old.outputs))
+            outputs=tuple((pin, target(written)) for pin, written in old.outputs))
+
+    def instance(old: str) -> str:
+        """Name an instance; one that is passed in, or global, keeps its own path."""
+        new = operand(Ref(path=old, type=DataType.BOOL))
+        return new.path if isinstance(new, Ref) else frame.prefix + old
 
     start = f'{frame.path}/{network.rung}/'
     return replace(network, code=tuple(
         Instruction(
             op=old.op, operand=operand(old.operand) if old.operand is not None else None,
             memory=ref(old.memory) if old.memory is not None else None,
+            target=target(old.target) if old.target is not None else None,
             call=call(old.call) if old.call is not None else None,
             component=start + old.component if old.component else '')
         for old in network.code))
-
-
-def lay_out(program: Program, symbols: Symbols, code: InstructionList) -> tuple[Slot, ...]:
-    """Return the slots of the program's state: variables, then blocks and memories as used."""
-    layout = _Layout()
-    layout.add(ARITHMETIC_ERRORS, DataType.LINT, SlotClass.SYSTEM, 0)
-    for variable in program.variables:
-        layout.add_variable('', variable, _io_class(variable))
-    if program.bodies:
-        scope = symbols.scopes[pou_key(program.bodies[0])]
-        for prefix, composite in _instances(scope, symbols):
-            for variable in composite.variables:
-                layout.add_variable(prefix, variable, SlotClass.LOCAL)
-    for routine in code.routines:
-        for instruction in routine.instructions():
-            layout.add_instruction(instruction)
-    return tuple(layout.slots.values())
-
-
-def _io_class(variable: Variable) -> SlotClass:
-    """Return the slot class; a located variable is I/O whatever its class says (DESIGN 5)."""
-    located = {'%I': SlotClass.INPUT, '%Q': SlotClass.OUTPUT}.get(variable.address[:2].upper())
-    if variable.variable_class is VariableClass.LOCAL and located is not None:
-        return located
-    return _CLASS[variable.variable_class]
-
-
-def _instances(scope: Scope, symbols: Symbols) -> Iterator[tuple[str, Composite]]:
-    """Yield each composite instance, nested ones too, as (prefix of its names, definition)."""
-    pending = [(f'{name}.', composite) for name, composite in scope.instances.values()]
-    pending.reverse()
-    while pending:
-        prefix, composite = pending.pop()
-        yield prefix, composite
-        inner = symbols.scopes[pou_key(composite)].instances.values()
-        pending.extend(reversed([(f'{prefix}{name}.', found) for name, found in inner]))
-
-
-@dataclass(slots=True)
-class _Layout:
-    slots: dict[str, Slot] = field(default_factory=dict)
-
-    def add(
-        self, path: str, type_: DataType, slot_class: SlotClass, initial: Value,
-        identity: str = '',
-    ) -> None:
-        key = path.casefold()
-        if key not in self.slots:
-            self.slots[key] = Slot(
-                index=len(self.slots), path=path, type=type_, slot_class=slot_class,
-                initial=initial, identity=identity or type_.value)
-
-    def add_variable(self, prefix: str, variable: Variable, slot_class: SlotClass) -> None:
-        path = prefix + variable.name
-        self.slots.setdefault(path.casefold(), Slot(
-            index=len(self.slots), path=path, type=variable.type, slot_class=slot_class,
-            initial=variable.initial, identity=variable.type.value, retain=variable.retain,
-            address=variable.address, comment=variable.comment, location=variable.location))
-
-    def add_instruction(self, instruction: Instruction) -> None:
-        if instruction.memory is not None:
-            # An edge of another variable is another memory: it must not survive an online change.
-            self.add(instruction.memory.path, DataType.BOOL, SlotClass.EDGE, False,
-                     f'{instruction.op.value[-1]} edge of {instruction.operand}'.casefold())
-        call = instruction.call
-        if call is None:
-            return
-        for _, ref in call.outputs:
-            self.add(ref.path, ref.type, SlotClass.SYSTEM, default_value(ref.type))
-        if instruction.op is Op.EXE:
-            self.add(active_flag(call.instance).path, DataType.BOOL, SlotClass.SYSTEM, False)
-        elif instruction.op is Op.CAL:
-            for pin in CATALOGUE[call.name].state:
-                assert isinstance(pin.type, DataType) and pin.default is not None
-                self.add(f'{call.instance}.{pin.name}', pin.type, SlotClass.BLOCK, pin.default,
-                         f'{call.name}.{pin.name}:{pin.type}')
 
 
 def list_components(
@@ -204,12 +158,12 @@ def list_components(
         key, start = key_of[routine_id], start_of[routine_id]
         for network in routine.networks:
             for instruction in network.code:
-                if not instruction.component:
-                    continue
-                if instruction.op is Op.EXE and instruction.call is not None:
+                if instruction.op in (Op.EXE, Op.RUN) and instruction.call is not None:
                     inner = (False, instruction.call.instance)
                     key_of[inner] = f'composite {instruction.call.name.casefold()}'
-                    start_of[inner] = f'{instruction.component}/'
+                    start_of[inner] = f'{instruction.component or instruction.call.instance}/'
+                if not instruction.component:
+                    continue
                 local = instruction.component[len(f'{start}{network.rung}/'):]
                 kind, location = kinds[key, network.rung, local]
                 entries.append(ComponentEntry(
@@ -220,7 +174,9 @@ def list_components(
 
 def _slots_of(instruction: Instruction, slots: Mapping[str, Slot]) -> Iterator[int]:
     for operand in (instruction.operand, instruction.memory):
-        if isinstance(operand, Ref):
+        if isinstance(operand, Element):
+            operand = operand.first
+        if isinstance(operand, Ref) and not operand.path.startswith('%T'):
             yield slots[operand.path.casefold()].index
     call = instruction.call
     if call is not None and call.instance and instruction.op is Op.CAL:

@@ -54,6 +54,11 @@ class _Resolver:
     resolved: dict[tuple[str, str], dict[str, Resolved]] = field(default_factory=dict)
     composites: dict[str, Composite] = field(default_factory=dict)
 
+    @property
+    def imported(self) -> bool:
+        """Whether the program comes from another editor, whose rules on names are not ours."""
+        return self.program.dialect != 'native'
+
     def report(self, code: str, location: Location, label: str = '', **facts: object) -> None:
         self.found.append(problem(code, location, label, **facts))  # type: ignore[arg-type]
 
@@ -64,7 +69,7 @@ class _Resolver:
         self._unique((b.name, b.location) for b in program.bodies)
         self._unique((t.name, t.location) for t in program.tasks)
         for composite in program.composites:
-            if composite.name.upper() in CATALOGUE:
+            if not self.imported and composite.name.upper() in CATALOGUE:
                 self.report('L0201', composite.location, 'a block of the catalogue has this name',
                             name=composite.name)
         tasks = {task.name.casefold() for task in program.tasks}
@@ -92,7 +97,7 @@ class _Resolver:
     ) -> None:
         seen: dict[str, Location] = {} if taken is None else taken
         for name, location in names:
-            if not pattern.match(name):
+            if not self.imported and not pattern.match(name):
                 self.report('L0202', location, name=name)
             key = name.casefold()
             if key in seen:
@@ -129,35 +134,63 @@ class _Resolver:
     def _program_scope(self) -> Scope:
         taken: dict[str, Location] = {}
         self._unique(((v.name, v.location) for v in self.program.variables), taken)
-        declared = reversed(self.program.variables)  # where two have a name the first one counts
-        symbols = {v.name.casefold(): _variable_symbol(v) for v in declared}
         rungs = [rung for body in self.program.bodies for rung in body.rungs]
-        return self._with_instances('', symbols, taken, rungs)
+        return self._with_instances('', self._shared(), taken, rungs, self.program.blocks)
+
+    def _shared(self) -> dict[str, Symbol]:
+        return {v.name.casefold(): self._variable(v) for v in reversed(self.program.variables)}
+
+    def _variable(self, variable: Variable) -> Symbol:
+        fixed = ''
+        if variable.constant:
+            fixed = 'it is a constant'
+        elif variable.variable_class is VariableClass.INPUT and not self.imported:
+            fixed = 'it is an input; copy it to a local variable if the program must change it'
+        return Symbol(name=variable.name, type=variable.type, why_fixed=fixed)
+
+    def _parameter(self, parameter: Parameter) -> Symbol:
+        fixed = ''
+        if parameter.direction is Direction.INPUT and not self.imported:
+            fixed = 'it is an input parameter; make it inout if the composite must write it'
+        return Symbol(
+            name=parameter.name, type=parameter.type, is_parameter=True, why_fixed=fixed)
 
     def _composite_scope(self, composite: Composite) -> Scope:
         taken: dict[str, Location] = {}
         declared: list[Parameter | Variable] = [*composite.parameters, *composite.variables]
         self._unique(((d.name, d.location) for d in declared), taken)
-        symbols = {
-            d.name.casefold():
-            _parameter_symbol(d) if isinstance(d, Parameter) else _variable_symbol(d)
-            for d in reversed(declared)}
-        return self._with_instances(composite.name, symbols, taken, composite.rungs)
+        shared = self._shared() if composite.externals else {}
+        symbols = {name: shared[name] for name in map(str.casefold, composite.externals)
+                   if name in shared}
+        symbols.update((
+            d.name.casefold(),
+            self._parameter(d) if isinstance(d, Parameter) else self._variable(d))
+            for d in reversed(declared))
+        return self._with_instances(
+            composite.name, symbols, taken, composite.rungs, composite.blocks)
 
     def _with_instances(
         self, pou: str, symbols: dict[str, Symbol], taken: dict[str, Location],
-        rungs: Sequence[Rung],
+        rungs: Sequence[Rung], declared: Sequence[tuple[str, str]],
     ) -> Scope:
-        """Declare block and composite instances, which exist by being used."""
+        """Declare block and composite instances: those declared, then those that are just used."""
         blocks: dict[str, tuple[str, BlockKind]] = {}
         instances: dict[str, tuple[str, Composite]] = {}
         first: dict[str, tuple[Location, str]] = {}
+        for name, type_ in declared:
+            kind, composite = CATALOGUE.get(type_.upper()), self.composites.get(type_.casefold())
+            if composite is not None:
+                instances[name.casefold()] = name, composite
+            elif kind is not None:
+                blocks[name.casefold()] = name, kind
         for rung in rungs:
             for component in rung.components:
                 if not isinstance(component, (Block, Instance)) or not component.instance:
                     continue
                 type_ = component.type if isinstance(component, Block) else component.composite
                 key = component.instance.casefold()
+                if rung.wires is not None and (key in blocks or key in instances):
+                    continue
                 if key in first:
                     self._again(component, type_, *first[key])
                     continue
@@ -191,6 +224,8 @@ class _Resolver:
         self._unique(((r.id, r.location) for r in pou.rungs), pattern=IDENTIFIER)
         for rung in pou.rungs:
             self._unique(((c.id, c.location) for c in rung.components), pattern=IDENTIFIER)
+            if rung.wires is not None:
+                continue
             by_id = {c.id.casefold(): c for c in rung.components}
             in_rung = RungResolver(
                 report=self.report, scope=scope, rung=rung, by_id=by_id,
@@ -203,18 +238,6 @@ class _Resolver:
 
 
 def _instances(composite: Composite) -> Iterable[Instance]:
-    return (c for rung in composite.rungs for c in rung.components if isinstance(c, Instance))
+    return (c for rung in composite.rungs for c in rung.components
+            if isinstance(c, Instance) and c.composite)
 
-
-def _variable_symbol(variable: Variable) -> Symbol:
-    fixed = ''
-    if variable.variable_class is VariableClass.INPUT:
-        fixed = 'it is an input; copy it to a local variable if the program must change it'
-    return Symbol(name=variable.name, type=variable.type, why_fixed=fixed)
-
-
-def _parameter_symbol(parameter: Parameter) -> Symbol:
-    fixed = ''
-    if parameter.direction is Direction.INPUT:
-        fixed = 'it is an input parameter; make it inout if the composite must write it'
-    return Symbol(name=parameter.name, type=parameter.type, is_parameter=True, why_fixed=fixed)

@@ -18,13 +18,18 @@ from ladder_ros.compiler.il import active_flag, InstructionList, Network, Routin
 from ladder_ros.compiler.il_interpreter import interpret_il
 from ladder_ros.compiler.il_to_python import emit_python, load_python
 from ladder_ros.compiler.il_verify import verify_il
+from ladder_ros.compiler.imported import is_imported, lowering_of, needed_pous, unsupported_bodies
 from ladder_ros.compiler.inline_composites import expand_inline
-from ladder_ros.compiler.link import lay_out, link_code, list_components
+from ladder_ros.compiler.lay_out import lay_out
+from ladder_ros.compiler.link import link_code, list_components
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
-from ladder_ros.compiler.symbols import Operand, pou_key, Ref, Symbols
+from ladder_ros.compiler.st_to_il import lower_statements
+from ladder_ros.compiler.stub_blocks import stub_unknown_blocks
+from ladder_ros.compiler.symbols import Element, Literal, Operand, pou_key, Symbols
 from ladder_ros.compiler.tree import Forest
 from ladder_ros.compiler.tree_to_il import lower_to_il
+from ladder_ros.compiler.wires_to_aov import build_wired_aovs
 from ladder_ros.compiler.wiring import Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError, problem
@@ -41,6 +46,8 @@ class Stages:
     symbols: Symbols
     wirings: Mapping[str, Sequence[Wiring]]
     graphs: Mapping[str, Sequence[Aov]]
+    texts: Mapping[str, Sequence[Network]]
+    """The code of Structured Text bodies, which have no graphs."""
     diagnostics: tuple[Diagnostic, ...]
 
 
@@ -53,19 +60,23 @@ class Compilation:
 
 
 def compile_program(
-    program: Program, *, backend: str = 'python', source_hash: str = '',
+    program: Program, *, backend: str = 'python', source_hash: str = '', stubs: bool = False,
 ) -> Compilation:
     """Compile a program; ``source_hash`` identifies the file it came from.
+
+    With ``stubs`` an unknown block of an imported drawing gets a stand-in instead of an error.
 
     Raises LadderError with every error that was found; L0504 for an unknown backend.
     """
     if backend not in BACKENDS:
         raise LadderError.of('L0504', program.location, name=backend, known=', '.join(BACKENDS))
+    if stubs:
+        program = stub_unknown_blocks(program)
     stages = analyse(program)
     if has_errors(stages.diagnostics):
         raise LadderError(stages.diagnostics)
     forests = build_trees(program, stages)
-    code = link_code(program, lower(forests))
+    code = link_code(program, {**lower(forests), **stages.texts})
     verify_il(code)
     slots = lay_out(program, stages.symbols, code)
     by_path = {slot.path.casefold(): slot for slot in slots}
@@ -76,7 +87,7 @@ def compile_program(
     def build(variant: Variant) -> Mapping[str, Scan]:
         chosen = code
         if variant.observed:
-            chosen = link_code(program, lower(build_sequences(stages)))
+            chosen = link_code(program, {**lower(build_sequences(stages)), **stages.texts})
         return BACKENDS[backend](chosen, index, component_index, variant)
 
     executable = Executable(
@@ -88,10 +99,10 @@ def compile_program(
         executable=executable, diagnostics=stages.diagnostics + check_coils(code, components))
 
 
-def check_program(program: Program) -> tuple[Diagnostic, ...]:
+def check_program(program: Program, *, stubs: bool = False) -> tuple[Diagnostic, ...]:
     """Return everything that is to be said about a program: errors, warnings, hints."""
     try:
-        return compile_program(program).diagnostics
+        return compile_program(program, stubs=stubs).diagnostics
     except LadderError as error:
         return error.diagnostics
 
@@ -101,8 +112,11 @@ def check_program(program: Program) -> tuple[Diagnostic, ...]:
 def analyse(program: Program) -> Stages:
     """Resolve names, analyse connections and build the graphs, as far as errors allow."""
     symbols, found = resolve_symbols(program)
+    found = program.warnings + found
     wirings: dict[str, Sequence[Wiring]] = {}
     for pou in _pous(program):
+        if is_imported(pou):
+            continue
         wirings[pou_key(pou)], wrong = _collect(
             analyse_connections(rung, ends_in_output=not _is_inline(pou)) for rung in pou.rungs)
         if _is_inline(pou) and not pou.rungs:
@@ -112,10 +126,34 @@ def analyse(program: Program) -> Stages:
     if not has_errors(found):
         found += check_size(program)
     graphs: dict[str, Sequence[Aov]] = {}
+    texts: dict[str, Sequence[Network]] = {}
     if not has_errors(found):
         graphs, wrong = _build_graphs(program, symbols, wirings)
         found += wrong
-    return Stages(symbols=symbols, wirings=wirings, graphs=graphs, diagnostics=_in_order(found))
+        found += _lower_imported(program, symbols, graphs, texts)
+    return Stages(symbols=symbols, wirings=wirings, graphs=graphs, texts=texts,
+                  diagnostics=_in_order(found))
+
+
+def _lower_imported(
+    program: Program, symbols: Symbols, graphs: dict[str, Sequence[Aov]],
+    texts: dict[str, Sequence[Network]],
+) -> tuple[Diagnostic, ...]:
+    """Add the graphs of imported drawings and the code of texts; return what is wrong there."""
+    needed = needed_pous(program)
+    found = unsupported_bodies(_pous(program), needed)
+    for pou in needed:
+        if not is_imported(pou) or pou.unsupported:
+            continue
+        lowering = lowering_of(program, symbols, pou)
+        if pou.statements:
+            code = lower_statements(pou.statements, lowering)
+            texts[pou_key(pou)] = [Network(rung='1', code=code)]
+        else:
+            graphs[pou_key(pou)] = [
+                aov for rung in pou.rungs for aov in build_wired_aovs(rung, lowering)]
+        found += tuple(lowering.found)
+    return found
 
 
 def _build_graphs(
@@ -126,6 +164,8 @@ def _build_graphs(
     found: tuple[Diagnostic, ...] = ()
     pous: list[Pou] = [*symbols.composites, *program.bodies]
     for pou in pous:
+        if is_imported(pou):
+            continue
         key = pou_key(pou)
         aovs, wrong = _collect(
             build_aov(wiring, symbols.of_rung(key, wiring.rung.id)) for wiring in wirings[key])
@@ -146,7 +186,8 @@ def build_trees(
     return {
         pou_key(pou): [reduce_to_tree(aov, _access_key(pou)) for aov in
                        stages.graphs[pou_key(pou)]]
-        for pou in _pous(program) if inline or not _is_inline(pou)}
+        for pou in _pous(program)
+        if pou_key(pou) in stages.graphs and (inline or not _is_inline(pou))}
 
 
 def build_sequences(stages: Stages) -> dict[str, Sequence[Forest]]:
@@ -173,9 +214,10 @@ def _access_key(pou: Pou) -> AccessKey:
         p.name.casefold(): f'parameter of type {p.type}' for p in pou.parameters}
 
     def key(operand: Operand) -> str | None:
-        if not isinstance(operand, Ref):
+        if isinstance(operand, Literal):
             return None
-        name = operand.path.casefold()
+        ref = operand.first if isinstance(operand, Element) else operand
+        name = ref.path.casefold().partition('[')[0]
         return parameters.get(name, name)
 
     return key

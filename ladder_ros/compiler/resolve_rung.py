@@ -10,8 +10,8 @@ import difflib
 import re
 
 from ladder_ros.compiler.symbols import data_slot, Literal, Operand, Ref, Resolved, Scope
-from ladder_ros.diagnostics import Location
-from ladder_ros.model.catalogue import BlockKind, CATALOGUE, Generic, Pin
+from ladder_ros.diagnostics import InternalError, Location
+from ladder_ros.model.catalogue import BASIC_NAMES, BlockKind, CATALOGUE, Generic, Pin
 from ladder_ros.model.component import (
     Argument,
     Block,
@@ -22,6 +22,7 @@ from ladder_ros.model.component import (
     Instance,
     Row,
 )
+from ladder_ros.model.derived import elementary
 from ladder_ros.model.program import Composite, Direction, Parameter, Rung
 from ladder_ros.model.types import DataType, INTEGER_RANGE, parse_literal
 
@@ -59,7 +60,9 @@ class RungResolver:
             return Resolved(operand=target) if target is not None else None
         if isinstance(component, Block):
             return self._block(component)
-        return self._instance(component)
+        if isinstance(component, Instance):
+            return self._instance(component)
+        raise InternalError('symbols', f'{component.id} belongs in a wired drawing')
 
     def operand(
         self, text: str, location: Location, expected: DataType | None,
@@ -92,8 +95,9 @@ class RungResolver:
 
     def _variable(self, text: str, location: Location) -> Ref | None:
         symbol = self.scope.symbols.get(text.casefold())
-        if symbol is not None:
-            return Ref(path=symbol.name, type=symbol.type)
+        type_ = elementary(symbol.type) if symbol is not None else None
+        if symbol is not None and type_ is not None:
+            return Ref(path=symbol.name, type=type_)
         instance, _, pin_name = text.partition('.')
         block = self.scope.blocks.get(instance.casefold())
         if block is not None and pin_name:
@@ -178,7 +182,8 @@ class RungResolver:
     ) -> Iterable[tuple[Argument, Pin]]:
         for argument in (*block.inputs, *block.outputs):
             pin = kind.input(argument.pin) or kind.output(argument.pin)
-            if pin is not None and isinstance(pin.type, Generic) and argument.row is None:
+            if (pin is not None and isinstance(pin.type, Generic) and pin.tied
+                    and argument.row is None):
                 yield argument, pin
 
     def _one_type(
@@ -186,6 +191,8 @@ class RungResolver:
     ) -> DataType | None:
         try:
             candidates = set(types.values()) or {literal_type(text) for text in literals}
+            if not candidates and kind.default_type is not None:
+                candidates = {kind.default_type}
         except ValueError as error:
             self.report('L0205', block.location, literals[0], type='an operand', reason=error)
             return None
@@ -195,7 +202,7 @@ class RungResolver:
                         reason=reason or 'none of them is connected')
             return None
         (type_,) = candidates
-        generics = [p.type for p in kind.inputs if isinstance(p.type, Generic)]
+        generics = [p.type for p in kind.inputs if isinstance(p.type, Generic) and p.tied]
         if not all(generic.admits(type_) for generic in generics):
             self.report('L0220', block.location, name=f'{block.id} ({kind.name})',
                         reason=f'{type_} is none of {generics[0].value}')
@@ -206,7 +213,7 @@ class RungResolver:
     def _block(self, block: Block) -> Resolved | None:
         kind = CATALOGUE.get(block.type.upper())
         if kind is None:
-            self.report('L0208', block.location, name=block.type, known=', '.join(CATALOGUE),
+            self.report('L0208', block.location, name=block.type, known=', '.join(BASIC_NAMES),
                         hint=suggestion(block.type, CATALOGUE))
             return None
         if kind.is_function and block.instance:
@@ -219,7 +226,8 @@ class RungResolver:
                         reason='add instance="..." to name its state')
             return None
         generic = DataType.BOOL
-        if any(isinstance(pin.type, Generic) for pin in kind.inputs):
+        kind = self._at_time(block, kind)
+        if kind.generic is not None:
             found = self._function_type(block)
             if found is None:
                 return None
@@ -228,7 +236,40 @@ class RungResolver:
         outputs = self._outputs(block, kind, generic)
         if inputs is None or outputs is None:
             return None
-        return Resolved(inputs=inputs, outputs=outputs, type=generic, sources=sources)
+        return Resolved(inputs=inputs, outputs=outputs, type=generic, sources=sources,
+                        block=kind.name)
+
+    def _at_time(self, block: Block, kind: BlockKind) -> BlockKind:
+        """Return the row for a duration times or by a number, where that is what is connected."""
+        if not kind.time_row:
+            return kind
+        types = {}
+        for argument in block.inputs:
+            symbol = self.scope.symbols.get(argument.operand.casefold())
+            if symbol is not None:
+                types[argument.pin.upper()] = elementary(symbol.type)
+            elif argument.operand[:2].upper() == 'T#':
+                types[argument.pin.upper()] = DataType.TIME
+        if types.get('IN1') is DataType.TIME and types.get('IN2') is not DataType.TIME:
+            return CATALOGUE[kind.time_row]
+        return kind
+
+    def _untied(self, argument: Argument, generic: Generic) -> DataType | None:
+        """Return the type of a pin that takes any type its generic type admits; or report."""
+        try:
+            if argument.operand and _looks_literal(argument.operand):
+                return literal_type(argument.operand)
+        except ValueError as error:
+            self.report('L0205', argument.location, argument.operand, type='an operand',
+                        reason=error)
+            return None
+        source = self._source(argument) if argument.source else None
+        ref = source[0] if source else self._variable(argument.operand, argument.location)
+        if ref is not None and not generic.admits(ref.type):
+            self.report('L0204', argument.location, name=str(ref), actual=ref.type,
+                        expected=generic.value)
+            return None
+        return ref.type if ref is not None else None
 
     def _inputs(
         self, block: Block, kind: BlockKind, generic: DataType,
@@ -243,6 +284,11 @@ class RungResolver:
                 return None, ()
             assert pin is not None
             type_ = pin.type if isinstance(pin.type, DataType) else generic
+            if isinstance(pin.type, Generic) and not pin.tied and argument.row is None:
+                found = self._untied(argument, pin.type)
+                if found is None:
+                    return None, ()
+                type_ = found
             if argument.row is not None:
                 if type_ is not DataType.BOOL:
                     self.report('L0204', argument.location, name=pin.name, actual='power (BOOL)',
@@ -265,7 +311,7 @@ class RungResolver:
             if operand is None:
                 return None, ()
             bound[pin.name] = operand
-        for pin in kind.inputs:
+        for pin in kind.inputs_for((*bound, *powered)):
             if pin.name in bound or pin.name in powered:
                 continue
             mandatory = pin.default is None or isinstance(pin.type, Generic)
@@ -361,7 +407,7 @@ class RungResolver:
                             type=parameter.type)
                 fine = False
             else:
-                bound[parameter.name] = Literal(value=parameter.default, type=parameter.type)
+                bound[parameter.name] = _default(parameter)
         if not fine:
             return None
         return Resolved(inputs=tuple(bound.items()), sources=tuple(sources))
@@ -378,9 +424,9 @@ class RungResolver:
                 self.report('L0211', argument.location, name=argument.source,
                             reason='it is the output of a block')
                 return None
-            return self.target(argument.operand, argument.location, parameter.type)
+            return self.target(argument.operand, argument.location, elementary(parameter.type))
         if argument.operand:
-            return self.operand(argument.operand, argument.location, parameter.type)
+            return self.operand(argument.operand, argument.location, elementary(parameter.type))
         source = self._source(argument)
         if source is None:
             return None
@@ -390,6 +436,13 @@ class RungResolver:
             return None
         sources.append(source[1].casefold())
         return source[0]
+
+
+def _default(parameter: Parameter) -> Literal:
+    """Return the default of a native parameter, which is elementary."""
+    type_ = elementary(parameter.type)
+    assert type_ is not None and isinstance(parameter.default, (bool, int, float, str))
+    return Literal(value=parameter.default, type=type_)
 
 
 _LITERAL = re.compile(r"(?:[-+0-9.']|(?:true|false)$|(?:t|time|[su]?[sdl]?int|u[dl]int|bool|"

@@ -5,9 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ladder_ros.model.catalogue import BlockKind
+from ladder_ros.model.derived import Type
 from ladder_ros.model.program import Body, Composite, Pou
 from ladder_ros.model.types import DataType, format_literal, Value
 
@@ -40,8 +41,34 @@ class Literal:
         return f'{self.type}#{text}'
 
 
-Operand = Ref | Literal
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Element:
+    """An elementary part of an array element that is found at run time.
+
+    ``first`` is the array's first leaf of that kind (``a[1].x``); the element's is ``stride``
+    slots on for each step of ``index``, which counts from 0 and must be below ``count``.  Beyond,
+    a read gives the zero of the type and a write does nothing; both count an arithmetic error.
+    """
+
+    first: Ref
+    index: Ref | Literal
+    count: int
+    stride: int
+
+    @property
+    def type(self) -> DataType:
+        """The part's type."""
+        return self.first.type
+
+    def __str__(self) -> str:
+        return f'{self.first}{{{self.index}, {self.count}, {self.stride}}}'
+
+
+Operand = Ref | Literal | Element
 """What an instruction or a pin refers to."""
+
+Target = Ref | Element
+"""What an instruction writes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,7 +76,7 @@ class Symbol:
     """A variable or parameter that a POU sees; ``why_fixed`` says why it cannot be written."""
 
     name: str
-    type: DataType
+    type: Type
     is_parameter: bool = False
     why_fixed: str = ''
 
@@ -77,8 +104,10 @@ class Resolved:
 
     operand: Operand | None = None
     inputs: tuple[tuple[str, Operand], ...] = ()
-    outputs: tuple[tuple[str, Ref], ...] = ()
+    outputs: tuple[tuple[str, Target], ...] = ()
     type: DataType = DataType.BOOL
+    block: str = ''
+    """The catalogue's row that a block stands for, if it is another than its name says."""
     sources: tuple[str, ...] = ()
     """Casefolded ids of the components in the rung that direct data connections come from."""
 
@@ -115,6 +144,25 @@ def data_slot(rung: str, component: str, pin: str, type_: DataType) -> Ref:
     return Ref(path=f'%data.{rung}.{component}.{pin}', type=type_)
 
 
+def is_address(path: str) -> bool:
+    """Say whether a path is a located address (%IX0.0): one variable for the whole program."""
+    return path[:1] == '%' and path[1:2].upper() in ('I', 'Q', 'M') and path[:2] != '%T'
+
+
+def _bound(ref: Ref, bindings: Mapping[str, Operand]) -> Operand | None:
+    """Return what a parameter, or the aggregate parameter that this is a part of, is bound to."""
+    path = ref.path.casefold()
+    bound = bindings.get(path)
+    if bound is not None or not bindings:
+        return bound
+    for end, character in enumerate(path):
+        if character in '.[':
+            whole = bindings.get(path[:end])
+            if isinstance(whole, Ref):
+                return Ref(path=whole.path + ref.path[end:], type=ref.type)
+    return None
+
+
 def substitute(
     operand: Operand, prefix: str, bindings: Mapping[str, Operand],
 ) -> Operand:
@@ -124,5 +172,12 @@ def substitute(
     """
     if isinstance(operand, Literal):
         return operand
-    bound = bindings.get(operand.path.casefold())
+    if isinstance(operand, Element):
+        first = substitute(operand.first, prefix, bindings)
+        index = substitute(operand.index, prefix, bindings)
+        assert isinstance(first, Ref) and not isinstance(index, Element)
+        return replace(operand, first=first, index=index)
+    if operand.path.startswith('%T') or is_address(operand.path):
+        return operand
+    bound = _bound(operand, bindings)
     return bound if bound is not None else Ref(path=prefix + operand.path, type=operand.type)

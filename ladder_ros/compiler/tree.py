@@ -140,7 +140,7 @@ def leaves(tree: Tree) -> Iterator[Leaf | Pin | Load | Save]:
 def pin_operand(pin: Pin) -> Ref:
     """Return the variable that holds what a block's further power output gave last."""
     for name, ref in pin.symbol.resolved.outputs:
-        if name == pin.pin and '%data' in ref.path:
+        if name == pin.pin and isinstance(ref, Ref) and '%data' in ref.path:
             return ref
     return Ref(path=f'{pin.symbol.instance}.{pin.pin}', type=DataType.BOOL)
 

@@ -11,8 +11,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from ladder_ros.compiler.aov import SymbolVertex
 from ladder_ros.compiler.il import Call, Instruction, Network, Op, temporary
-from ladder_ros.compiler.symbols import Literal, Operand
+from ladder_ros.compiler.symbols import Literal, Operand, Ref
 from ladder_ros.compiler.tree import (
     And,
     children,
@@ -31,6 +32,9 @@ from ladder_ros.compiler.tree import (
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import Block, Coil, CoilKind, Contact, ContactKind, Instance
 from ladder_ros.model.types import DataType
+
+_EXECUTE = 200_000
+"""Temporaries of EXECUTE boxes count from here."""
 
 _TRUE = Literal(value=True, type=DataType.BOOL)
 _SUFFIX = {
@@ -91,13 +95,13 @@ class _Lowering:
         if isinstance(tree, Or):
             single = _contact_instruction(tree.right, 'OR')
             if single is not None:
-                return [_Start(tree.left), single]
+                return [_Start(tree.left), *_prelude(tree.right), single]
             return [_Start(tree.left), _Start(tree.right), Instruction(op=Op.ORB)]
         if isinstance(tree, Load):
             return [Instruction(op=Op.LD, operand=temporary(tree.temporary))]
         single = _contact_instruction(tree, 'LD')
         if single is not None:
-            return [single]
+            return [*_prelude(tree), single]
         return [Instruction(op=Op.LD, operand=_TRUE), _Continue(tree)]
 
     def _continue(self, tree: Tree) -> list[_Start | _Continue | Instruction]:
@@ -117,9 +121,9 @@ class _Lowering:
             return [Instruction(op=Op.OR, operand=cell), store] if tree.joins else [store]
         single = _contact_instruction(tree, 'AND')
         if single is not None:
-            return [single]
+            return [*_prelude(tree), single]
         assert isinstance(tree, Leaf)
-        return [_transfer_instruction(tree)]
+        return [*_prelude(tree), *_transfer_instructions(tree)]
 
     @staticmethod
     def _parallel(tree: Or) -> list[_Start | _Continue | Instruction]:
@@ -178,22 +182,51 @@ def _contact_instruction(tree: Tree, base: str) -> Instruction | None:
         op=op, operand=symbol.resolved.operand, memory=symbol.memory, component=symbol.path)
 
 
-def _transfer_instruction(leaf: Leaf) -> Instruction:
+def _prelude(tree: Tree) -> tuple[Instruction, ...]:
+    return tree.symbol.prelude if isinstance(tree, Leaf) else ()
+
+
+def _transfer_instructions(leaf: Leaf) -> list[Instruction]:
     symbol = leaf.symbol
     component = symbol.component
     if isinstance(component, Coil):
-        return Instruction(op=_STORE[component.kind], operand=symbol.resolved.operand,
-                           memory=symbol.memory, component=symbol.path)
+        return [Instruction(op=_STORE[component.kind], operand=symbol.resolved.operand,
+                            memory=symbol.memory, component=symbol.path)]
     if isinstance(component, Instance):
         call = Call(name=component.composite, instance=symbol.instance,
                     inputs=symbol.resolved.inputs)
-        return Instruction(op=Op.EXE, call=call, component=symbol.path)
+        copies = [
+            Instruction(op=Op.MOV, operand=temporary(number), target=Ref(
+                path=f'{symbol.instance}.{pin}', type=DataType.BOOL))
+            for pin, number in leaf.power_pins]
+        op = Op.RUN if symbol.is_block else Op.EXE
+        return [*copies, Instruction(op=op, call=call, component=symbol.path)]
     assert isinstance(component, Block)
-    kind = CATALOGUE[component.type.upper()]
+    if component.type == '%NOT':
+        return [Instruction(op=Op.NOT, component=symbol.path)]
+    if component.statements:
+        return _execute(symbol)
+    kind = CATALOGUE[symbol.resolved.block or component.type.upper()]
     bound: dict[str, Operand] = dict(symbol.resolved.inputs)
     bound.update((pin, temporary(number)) for pin, number in leaf.power_pins)
-    inputs = tuple((pin.name, bound[pin.name]) for pin in kind.inputs if pin.name in bound)
+    known = [pin.name for pin in kind.inputs]
+    inputs = tuple((pin, bound[pin]) for pin in sorted(
+        bound, key=lambda pin: known.index(pin) if pin in known else _further(pin)))
     call = Call(name=kind.name, instance=symbol.instance, type=symbol.resolved.type,
                 inputs=inputs, outputs=symbol.resolved.outputs)
-    return Instruction(
-        op=Op.FUN if kind.is_function else Op.CAL, call=call, component=symbol.path)
+    return [Instruction(
+        op=Op.FUN if kind.is_function else Op.CAL, call=call, component=symbol.path)]
+
+
+def _execute(symbol: SymbolVertex) -> list[Instruction]:
+    """Return the code of an EXECUTE box; the power that enters it leaves it too."""
+    power = temporary(_EXECUTE + symbol.id)
+    return [Instruction(op=Op.ST, operand=power), Instruction(op=Op.IF), *symbol.body,
+            Instruction(op=Op.FI),
+            Instruction(op=Op.LD, operand=power, component=symbol.path)]
+
+
+def _further(pin: str) -> int:
+    """Rank the further inputs of an extensible function (IN3, IN4, ...) behind the others."""
+    digits = ''.join(character for character in pin if character.isdigit())
+    return 1000 + int(digits or 0)

@@ -142,7 +142,7 @@ class _Builder:
             return resolved
         return Resolved(
             inputs=resolved.inputs, outputs=resolved.outputs + extra, type=resolved.type,
-            sources=resolved.sources)
+            sources=resolved.sources, block=resolved.block)
 
     # -- order ----------------------------------------------------------------------------------
 

@@ -30,8 +30,8 @@ from ladder_ros.drawing.layout import (
 )
 from ladder_ros.drawing.shapes import Box, Shape, shape_of, ShapeContext, Symbol, Wire
 from ladder_ros.model.component import Argument, Block, Coil, Component, Contact, Instance
+from ladder_ros.model.derived import initial_text, type_name
 from ladder_ros.model.program import Body, Composite, Pou, Program, Rung, RunKind
-from ladder_ros.model.types import format_literal
 
 MAX_CELLS = 200_000
 """Grid cells of the largest rung that is drawn; what is larger is listed instead."""
@@ -396,12 +396,14 @@ def _interface(composite: Composite, glyphs: Glyphs) -> Iterator[str]:
     rows = []
     for parameter in composite.parameters:
         default = '' if parameter.default is None else \
-            f' := {format_literal(parameter.default, parameter.type)}'
-        rows.append((parameter.direction.value, parameter.name, f'{parameter.type}{default}',
-                     parameter.comment))
+            f' := {initial_text(parameter.type, parameter.default)}'
+        rows.append((parameter.direction.value, parameter.name,
+                     f'{type_name(parameter.type)}{default}', parameter.comment))
     for variable in composite.variables:
-        initial = format_literal(variable.initial, variable.type)
-        rows.append(('local', variable.name, f'{variable.type} := {initial}', variable.comment))
+        text = initial_text(variable.type, variable.initial)
+        initial = f' := {text}' if text else ''
+        rows.append(('local', variable.name, f'{type_name(variable.type)}{initial}',
+                     variable.comment))
     names = max((len(name) for _, name, _, _ in rows), default=0)
     types = max((len(type_) for _, _, type_, _ in rows), default=0)
     for what, name, type_, comment in rows:

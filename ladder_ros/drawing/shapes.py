@@ -23,6 +23,8 @@ from ladder_ros.model.component import (
     Contact,
     ContactKind,
     Instance,
+    InVariable,
+    OutVariable,
     Row,
 )
 from ladder_ros.model.program import CallKind, Composite, Direction
@@ -112,6 +114,8 @@ def shape_of(component: Component, context: ShapeContext) -> Shape | None:
             return _block(component, context)
         case Instance():
             return _instance(component, context)
+        case InVariable() | OutVariable():
+            return Symbol(picture='───', label=_label(component.operand, context))
         case _:
             assert_never(component)
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from ladder_ros.diagnostics import Location
+from ladder_ros.model.st import Statement
 
 
 class Side(Enum):
@@ -96,6 +97,23 @@ class Argument:
     location: Location = Location()
 
 
+class PinEdge(Enum):
+    """An edge detector drawn on a pin of a block."""
+
+    NONE = ''
+    RISING = 'rising'
+    FALLING = 'falling'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PinModifier:
+    """A negation or an edge drawn on a pin of a block (imported drawings)."""
+
+    pin: str
+    negated: bool = False
+    edge: PinEdge = PinEdge.NONE
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Contact:
     """Atomic component: passes power while its variable says so."""
@@ -153,6 +171,7 @@ class Block:
     """Atomic component: a simple block of the catalogue, a function or a function block.
 
     ``instance`` names the state of a function block; it is empty for a function.
+    ``statements`` are what an imported EXECUTE box does while EN is TRUE.
     """
 
     id: str
@@ -161,6 +180,8 @@ class Block:
     instance: str = ''
     inputs: tuple[Argument, ...] = ()
     outputs: tuple[Argument, ...] = ()
+    modifiers: tuple[PinModifier, ...] = ()
+    statements: tuple[Statement, ...] = ()
     name: str = ''
     comment: str = ''
     specification: str = ''
@@ -176,13 +197,42 @@ class Instance:
     composite: str
     instance: str
     arguments: tuple[Argument, ...] = ()
+    modifiers: tuple[PinModifier, ...] = ()
     name: str = ''
     comment: str = ''
     specification: str = ''
     location: Location = Location()
 
 
-Component = Contact | Coil | Row | Column | Block | Instance
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InVariable:
+    """Imported drawings: a value that flows into what it is wired to; an expression."""
+
+    id: str
+    placement: Placement
+    operand: str
+    negated: bool = False
+    name: str = ''
+    comment: str = ''
+    specification: str = ''
+    location: Location = Location()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutVariable:
+    """Imported drawings: a variable that takes the value which is wired to it."""
+
+    id: str
+    placement: Placement
+    operand: str
+    negated: bool = False
+    name: str = ''
+    comment: str = ''
+    specification: str = ''
+    location: Location = Location()
+
+
+Component = Contact | Coil | Row | Column | Block | Instance | InVariable | OutVariable
 
 
 class InterfaceKind(Enum):

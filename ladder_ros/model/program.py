@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import Enum
 
-from ladder_ros.diagnostics import Location
+from ladder_ros.diagnostics import Diagnostic, Location
 from ladder_ros.model.component import Component
-from ladder_ros.model.types import DataType, Value
+from ladder_ros.model.derived import Initial, Type
+from ladder_ros.model.st import Expression, Statement
 
 
 class VariableClass(Enum):
@@ -33,10 +35,15 @@ class CallKind(Enum):
 
     INLINE: its series ends are power; it is evaluated as if drawn in place.  ENABLED: EN and ENO;
     EN false means that the body is not executed and the timers in it are released once.
+    BLOCK: an imported function block: inputs are copied in and outputs keep their values, EN false
+    means that nothing happens at all.  FUNCTION: an imported function: as a block, but its
+    variables start afresh at each call; its result is the output parameter of its own name.
     """
 
     INLINE = 'inline'
     ENABLED = 'enabled'
+    BLOCK = 'block'
+    FUNCTION = 'function'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,10 +51,11 @@ class Variable:
     """A declared variable; ``initial`` is a value of ``type``."""
 
     name: str
-    type: DataType
+    type: Type
     variable_class: VariableClass = VariableClass.LOCAL
-    initial: Value = False
+    initial: Initial = None
     retain: bool = False
+    constant: bool = False
     address: str = ''
     comment: str = ''
     location: Location = Location()
@@ -63,20 +71,58 @@ class Parameter:
     """
 
     name: str
-    type: DataType
+    type: Type
     direction: Direction
-    default: Value | None = None
+    default: Initial = None
     comment: str = ''
     location: Location = Location()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Port:
+    """A connection point: a component's pin, or the left power rail (``component`` empty).
+
+    ``pin`` is a block's or instance's pin; it is empty for all other components.
+    """
+
+    component: str = ''
+    pin: str = ''
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wire:
+    """A drawn connection of an imported drawing, in the direction of flow."""
+
+    source: Port
+    target: Port
+
+
+class Order(Enum):
+    """In which order the statements of an imported drawing are evaluated (DESIGN section 3).
+
+    POSITION_ALL: one list of coils, outVariables and blocks by position.  POSITION_KIND: coils and
+    outVariables by position, then the blocks that were not reached.  DOCUMENT: as in the file.
+    """
+
+    POSITION_ALL = 'position-all'
+    POSITION_KIND = 'position-kind'
+    DOCUMENT = 'document'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Rung:
-    """One connected drawing between the power rails; ``width`` is the right rail's grid line W."""
+    """One drawing between the power rails.
+
+    ``width`` is the right rail's grid line W.  An imported drawing (a whole body) has ``wires``
+    instead of touching ends; its components' placements tell positions on the page alone, and
+    components stand in document order.
+    """
 
     id: str
     width: int
     components: tuple[Component, ...]
+    wires: tuple[Wire, ...] | None = None
+    order: Order = Order.POSITION_ALL
     comment: str = ''
     location: Location = Location()
 
@@ -90,6 +136,13 @@ class Composite:
     parameters: tuple[Parameter, ...]
     variables: tuple[Variable, ...]
     rungs: tuple[Rung, ...]
+    statements: tuple[Statement, ...] = ()
+    unsupported: str = ''
+    """Why the body cannot run (``SFC``, ``IL``), or empty; an error only where it is used."""
+    externals: tuple[str, ...] = ()
+    """Names of the program's variables that the POU may use."""
+    blocks: tuple[tuple[str, str], ...] = ()
+    """Declared function block instances, (name, type), of an imported POU."""
     category: str = ''
     specification: str = ''
     location: Location = Location()
@@ -108,6 +161,8 @@ class Body:
 
     name: str
     rungs: tuple[Rung, ...]
+    statements: tuple[Statement, ...] = ()
+    unsupported: str = ''
     run: RunKind = RunKind.CYCLIC
     task: str = ''
     comment: str = ''
@@ -133,6 +188,16 @@ class Program:
     composites: tuple[Composite, ...] = ()
     variables: tuple[Variable, ...] = ()
     tasks: tuple[Task, ...] = ()
+    blocks: tuple[tuple[str, str], ...] = ()
+    """Declared function block instances, (name, type), of an imported program."""
+    expressions: Mapping[str, Expression] = field(default_factory=dict)
+    """Operands of imported drawings that are more than a name or a literal, by their text."""
+    enumerations: Mapping[str, int] = field(default_factory=dict)
+    """Values of enumerations by casefolded name, ``green`` and ``colour#green`` alike."""
+    warnings: tuple[Diagnostic, ...] = ()
+    """What the reader of an imported file found and survived."""
+    dialect: str = 'native'
+    """Where the program comes from: native, beremiz, openplc, codesys ..."""
     specification: str = ''
     location: Location = Location()
 

@@ -25,10 +25,13 @@ from ladder_ros.model.component import (
     Contact,
     ContactKind,
     Instance,
+    InVariable,
+    OutVariable,
     Placement,
     Row,
     Side,
 )
+from ladder_ros.model.derived import initial_text, type_name
 from ladder_ros.model.program import (
     Body,
     Composite,
@@ -40,7 +43,7 @@ from ladder_ros.model.program import (
     Variable,
     VariableClass,
 )
-from ladder_ros.model.types import default_value, format_literal, format_time
+from ladder_ros.model.types import format_time
 from ladder_ros.source.grammar import VERSION
 
 _Attributes = list[tuple[str, str]]
@@ -112,10 +115,10 @@ def _body(body: Body) -> _Lines:
 
 
 def _parameter(parameter: Parameter) -> _Lines:
-    attributes = [('name', parameter.name), ('type', parameter.type.value),
+    attributes = [('name', parameter.name), ('type', type_name(parameter.type)),
                   ('direction', parameter.direction.value)]
     if parameter.default is not None:
-        attributes.append(('default', format_literal(parameter.default, parameter.type)))
+        attributes.append(('default', initial_text(parameter.type, parameter.default)))
     attributes += _optional('comment', parameter.comment)
     yield from _element('parameter', attributes, [])
 
@@ -124,11 +127,11 @@ def _variable(variable: Variable) -> _Lines:
     attributes = [('name', variable.name)]
     attributes += _optional(
         'class', variable.variable_class.value, VariableClass.LOCAL.value)
-    attributes.append(('type', variable.type.value))
+    attributes.append(('type', type_name(variable.type)))
     # Compared as text: -0.0 equals 0.0, but is another value.
     attributes += _optional(
-        'initial', format_literal(variable.initial, variable.type),
-        format_literal(default_value(variable.type), variable.type))
+        'initial', initial_text(variable.type, variable.initial),
+        initial_text(variable.type, None))
     if variable.retain:
         attributes.append(('retain', 'true'))
     attributes += _optional('at', variable.address)
@@ -177,6 +180,8 @@ def _component(component: Component) -> _Lines:
             attributes += [('composite', composite), ('instance', instance)]
             arguments = [
                 line for item in component.arguments for line in _argument('argument', item)]
+        case InVariable() | OutVariable():
+            raise InternalError('model_to_xml', 'our format has no wires', component.location)
         case _:
             assert_never(component)
     attributes += _sides(component.placement)

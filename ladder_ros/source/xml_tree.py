@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """An untrusted XML file as a tree of elements, each with its line.
 
+Our own files are read bare: names as they stand, text in prose elements alone.  Files of other
+tools are read ``foreign``: namespaces resolved, all text kept, processing instructions ignored.
+
 Expat and not a tree library, because it says the true line of every element of files of any length
 and because everything that can hurt can be stopped while it is being read: document types (hence
 entities), processing instructions, deep nesting, many elements, long texts.  Nothing here opens
@@ -25,6 +28,8 @@ MAX_TEXT = 65_536
 MAX_DIAGNOSTICS = 100
 
 _XML_SPACE = ' \t\r\n'
+_SEPARATOR = ' '
+"""Between a namespace and a local name; no namespace that expat passes on has a blank."""
 _ENCODINGS = {
     'utf-8': ('utf-8', 'utf8', 'us-ascii', 'ascii'),
     'utf-16': ('utf-16', 'utf-16le', 'utf-16be'),
@@ -41,7 +46,7 @@ class Element:
     """An element as it stands in the file.
 
     ``text`` is its character data; ``text_line`` is the line of the first that is not white
-    space, or None.
+    space, or None.  ``namespace`` is known in foreign files only.
     """
 
     tag: str
@@ -50,6 +55,7 @@ class Element:
     children: list[Element] = field(default_factory=list)
     text: str = ''
     text_line: int | None = None
+    namespace: str = ''
 
 
 class TooManyProblemsError(Exception):
@@ -105,7 +111,36 @@ def read_file(path: str | os.PathLike[str]) -> bytes:
     return data
 
 
-def parse_tree(data: bytes, file: str, findings: Findings) -> Element:
+def root_element(data: bytes) -> tuple[str, str]:
+    """Return namespace and local name of the root element, or empty texts if there is none.
+
+    Nothing is reported: whoever reads the file then says what is wrong with it.
+    """
+    found = ['', '']
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        found[0], _, found[1] = tag.rpartition(_SEPARATOR)
+        raise _FoundRootError
+
+    try:
+        text = _decode(data[:MAX_BYTES + 1], '')
+        if _document_type(text) is not None:
+            return '', ''
+        parser = expat.ParserCreate(namespace_separator=_SEPARATOR)
+        parser.StartElementHandler = start
+        parser.Parse(text, True)
+    except (_FoundRootError, LadderError, expat.ExpatError):
+        pass
+    return found[0], found[1]
+
+
+class _FoundRootError(Exception):
+    """Stops the parser at the first element."""
+
+
+def parse_tree(
+    data: bytes, file: str, findings: Findings, *, foreign: bool = False,
+) -> Element:
     """Return the root element of an XML document.
 
     Processing instructions are added to ``findings`` (L0108).  Raises LadderError, with what was
@@ -119,13 +154,14 @@ def parse_tree(data: bytes, file: str, findings: Findings) -> Element:
         line = text.count('\n', 0, offset) + 1
         raise LadderError.of(
             'L0108', Location(file=file, line=line), text[offset:offset + 60].split('\n')[0])
-    builder = _Builder(file, findings)
+    builder = _ForeignBuilder(file, findings) if foreign else _Builder(file, findings)
+    reading = builder.reading
     try:
-        builder.parser.Parse(text, True)
+        reading.parser.Parse(text, True)
     except expat.ExpatError as error:
-        raise findings.stop(_malformed(builder, error, text)) from None
-    assert builder.root is not None, 'expat accepts no document without a root'
-    return builder.root
+        raise findings.stop(_malformed(reading, error, text)) from None
+    assert reading.root is not None, 'expat accepts no document without a root'
+    return reading.root
 
 
 def _too_large(place: Location, what: str, limit: int) -> LadderError:
@@ -188,10 +224,10 @@ def _document_type(text: str) -> int | None:
         position = end + 3
 
 
-def _malformed(builder: _Builder, error: expat.ExpatError, text: str) -> Diagnostic:
+def _malformed(reading: _Reading, error: expat.ExpatError, text: str) -> Diagnostic:
     """Make the diagnostic of what expat says; name the element that is open there."""
-    offset = max(0, builder.parser.ErrorByteIndex)
-    place = Location(file=builder.file, line=error.lineno)
+    offset = max(0, reading.parser.ErrorByteIndex)
+    place = Location(file=reading.file, line=error.lineno)
     around = text.encode()
     if error.code == _UNDEFINED_ENTITY:  # the offset is the start of the tag it is in
         entity = _ENTITY.search(around[offset:].decode('utf-8', 'ignore'))
@@ -204,28 +240,22 @@ def _malformed(builder: _Builder, error: expat.ExpatError, text: str) -> Diagnos
     if error.code == _NO_ELEMENT:
         reason = 'it ends too early'
     related = [
-        (Location(file=builder.file, line=element.line), f'<{element.tag[:40]}> is still open')
-        for element in builder.open[-1:] if error.code in _LEFT_OPEN]
+        (Location(file=reading.file, line=element.line), f'<{element.tag[:40]}> is still open')
+        for element in reading.open[-1:] if error.code in _LEFT_OPEN]
     return problem('L0101', place, (before + after).strip(), reason=reason, related=related)
 
 
-class _Builder:
-    """Builds the tree from what the parser reports, within the limits."""
+class _Reading:
+    """What reading any document needs: the parser, the open elements, the limits."""
 
-    def __init__(self, file: str, findings: Findings) -> None:
+    def __init__(self, file: str, findings: Findings, separator: str | None) -> None:
         self.file = file
         self.findings = findings
         self.root: Element | None = None
         self.open: list[Element] = []
         self.count = 0
-        self.pieces: list[str] = []
-        self.text_length = 0
-        parser = expat.ParserCreate()
+        parser = expat.ParserCreate(namespace_separator=separator)
         parser.SetParamEntityParsing(expat.XML_PARAM_ENTITY_PARSING_NEVER)
-        parser.StartElementHandler = self.start
-        parser.EndElementHandler = self.end
-        parser.CharacterDataHandler = self.characters
-        parser.ProcessingInstructionHandler = self.instruction
         parser.StartDoctypeDeclHandler = self.document_type
         self.parser = parser
 
@@ -235,41 +265,83 @@ class _Builder:
     def stop(self, what: str, limit: int) -> LadderError:
         return self.findings.stop(_too_large(self.here(), what, limit).diagnostics[0])
 
-    def start(self, tag: str, attributes: dict[str, str]) -> None:
+    def enter(self, tag: str, attributes: dict[str, str], namespace: str = '') -> None:
         self.count += 1
         if self.count > MAX_ELEMENTS:
             raise self.stop('elements', MAX_ELEMENTS)
         if len(self.open) >= MAX_DEPTH:
             raise self.stop('levels of elements', MAX_DEPTH)
         element = Element(
-            tag=tag, attributes=attributes, line=self.parser.CurrentLineNumber)
+            tag=tag, attributes=attributes, line=self.parser.CurrentLineNumber,
+            namespace=namespace)
         if self.open:
             self.open[-1].children.append(element)
         else:
             self.root = element
         self.open.append(element)
 
+    def document_type(self, name: str, system: str | None, public: str | None,
+                      internal: bool) -> None:
+        raise self.findings.stop(problem('L0108', self.here(), f'<!DOCTYPE {name} ...>'))
+
+
+class _Builder:
+    """Builds the tree of one of our own files."""
+
+    def __init__(self, file: str, findings: Findings) -> None:
+        self.reading = _Reading(file, findings, None)
+        self.pieces: list[str] = []
+        self.text_length = 0
+        parser = self.reading.parser
+        parser.StartElementHandler = self.reading.enter
+        parser.EndElementHandler = self.end
+        parser.CharacterDataHandler = self.characters
+        parser.ProcessingInstructionHandler = self.instruction
+
     def end(self, tag: str) -> None:
-        element = self.open.pop()
+        element = self.reading.open.pop()
         if self.pieces:
             element.text = ''.join(self.pieces)
             self.pieces.clear()
             self.text_length = 0
 
     def characters(self, text: str) -> None:
-        element = self.open[-1]
+        element = self.reading.open[-1]
         if element.tag == 'specification':
             self.text_length += len(text)
             if self.text_length > MAX_TEXT:
-                raise self.stop('characters of text', MAX_TEXT)
+                raise self.reading.stop('characters of text', MAX_TEXT)
             self.pieces.append(text)
         elif element.text_line is None and (bare := text.strip(_XML_SPACE)):
             element.text = bare[:100]
-            element.text_line = self.parser.CurrentLineNumber
+            element.text_line = self.reading.parser.CurrentLineNumber
 
     def instruction(self, target: str, data: str) -> None:
-        self.findings.add(problem('L0108', self.here(), f'<?{target} {data}?>'))
+        self.reading.findings.add(
+            problem('L0108', self.reading.here(), f'<?{target} {data}?>'))
 
-    def document_type(self, name: str, system: str | None, public: str | None,
-                      internal: bool) -> None:
-        raise self.findings.stop(problem('L0108', self.here(), f'<!DOCTYPE {name} ...>'))
+
+class _ForeignBuilder:
+    """Builds the tree of a file of another tool: local names, and the text of every element."""
+
+    def __init__(self, file: str, findings: Findings) -> None:
+        self.reading = _Reading(file, findings, _SEPARATOR)
+        self.pieces: list[list[str]] = []
+        parser = self.reading.parser
+        parser.StartElementHandler = self.start
+        parser.EndElementHandler = self.end
+        parser.CharacterDataHandler = self.characters
+
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        namespace, _, name = tag.rpartition(_SEPARATOR)
+        self.reading.enter(name, attributes, namespace)
+        self.pieces.append([])
+
+    def end(self, tag: str) -> None:
+        self.reading.open.pop().text = ''.join(self.pieces.pop())
+
+    def characters(self, text: str) -> None:
+        element = self.reading.open[-1]
+        if element.text_line is None and text.strip(_XML_SPACE):
+            element.text_line = self.reading.parser.CurrentLineNumber
+        self.pieces[-1].append(text)

@@ -42,6 +42,8 @@ def test_edges_when_run_then_falling_is_rising_of_the_inverse(clk: str) -> None:
     ('SR', True, False, '##'), ('SR', True, True, '##'),
     ('RS', False, False, '.#'), ('RS', False, True, '..'),
     ('RS', True, False, '##'), ('RS', True, True, '..'),
+    ('SEMA', False, False, '.#'), ('SEMA', False, True, '..'),
+    ('SEMA', True, False, '##'), ('SEMA', True, True, '##'),
 ])
 def test_latch_when_evaluated_then_it_follows_its_truth_table(
     name: str, set_: bool, reset: bool, after: str,

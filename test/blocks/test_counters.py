@@ -8,8 +8,11 @@ from collections.abc import Sequence
 
 from hypothesis import given
 from hypothesis import strategies as st
+import pytest
 
 from ladder_ros.blocks import FUNCTION_BLOCKS
+from ladder_ros.model.catalogue import CATALOGUE
+from ladder_ros.model.types import DataType, INTEGER_RANGE
 
 BITS = st.lists(st.booleans(), max_size=40)
 
@@ -17,7 +20,7 @@ BITS = st.lists(st.booleans(), max_size=40)
 def ctu(scans: Sequence[tuple[bool, bool, int]]) -> list[tuple[object, ...]]:
     """Return (Q, CV) after each scan of (CU, R, PV)."""
     state: tuple[object, ...] = (False, 0, False)
-    seen = []
+    seen: list[tuple[object, ...]] = []
     for scan in scans:
         state = FUNCTION_BLOCKS['CTU'](0, *scan, *state)
         seen.append(state[:2])
@@ -27,7 +30,7 @@ def ctu(scans: Sequence[tuple[bool, bool, int]]) -> list[tuple[object, ...]]:
 def ctd(scans: Sequence[tuple[bool, bool, int]]) -> list[tuple[object, ...]]:
     """Return (Q, CV) after each scan of (CD, LD, PV)."""
     state: tuple[object, ...] = (False, 0, False)
-    seen = []
+    seen: list[tuple[object, ...]] = []
     for scan in scans:
         state = FUNCTION_BLOCKS['CTD'](0, *scan, *state)
         seen.append(state[:2])
@@ -37,7 +40,7 @@ def ctd(scans: Sequence[tuple[bool, bool, int]]) -> list[tuple[object, ...]]:
 def ctud(scans: Sequence[tuple[bool, bool, bool, bool, int]]) -> list[tuple[object, ...]]:
     """Return (QU, QD, CV) after each scan of (CU, CD, R, LD, PV)."""
     state: tuple[object, ...] = (False, False, 0, False, False)
-    seen = []
+    seen: list[tuple[object, ...]] = []
     for scan in scans:
         state = FUNCTION_BLOCKS['CTUD'](0, *scan, *state)
         seen.append(state[:3])
@@ -133,3 +136,23 @@ def test_ctud_when_between_zero_and_pv_then_neither_output_is_true() -> None:
 def test_ctud_when_only_counting_up_then_it_agrees_with_ctu(up: list[bool]) -> None:
     both = ctud([(level, False, False, False, 5) for level in up])
     assert [(qu, cv) for qu, _, cv in both] == ctu([(level, False, 5) for level in up])
+
+
+@pytest.mark.parametrize('type_', [DataType.DINT, DataType.LINT, DataType.UDINT, DataType.ULINT])
+@pytest.mark.parametrize('name', ['CTU', 'CTD', 'CTUD'])
+def test_typed_counter_when_at_its_type_s_limit_then_it_counts_no_further(
+    name: str, type_: DataType,
+) -> None:
+    row = CATALOGUE[f'{name}_{type_}']
+    preset, value = row.input('PV'), row.output('CV')
+    assert preset is not None and value is not None
+    assert preset.type is value.type is type_
+    down = 'CD' if name == 'CTD' else 'CU'
+    limit = 0 if name == 'CTD' else INTEGER_RANGE[type_][1]
+    state: tuple[object, ...] = tuple(
+        limit if pin.name == 'CV' else pin.default for pin in row.state)
+    inputs = [pin.name == down if pin.type is DataType.BOOL else INTEGER_RANGE[type_][1]
+              for pin in row.inputs]
+    after = FUNCTION_BLOCKS[row.name](0, *inputs, *state)
+    assert after[len(row.outputs) - 1] == limit
+    assert after[0] is True

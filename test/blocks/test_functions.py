@@ -135,8 +135,11 @@ def test_blocks_when_compared_with_the_catalogue_then_all_are_there_once() -> No
 def test_function_block_when_stepped_then_the_new_state_has_the_catalogue_s_types(
     name: str,
 ) -> None:
+    def sample(type_: object, number: int) -> Value:
+        return bool(number) if type_ is T.BOOL else float(number) if type_ is T.REAL else number
+
     row = CATALOGUE[name]
-    inputs: list[Value] = [True if pin.type is T.BOOL else 1 for pin in row.inputs]
-    state = [False if pin.type is T.BOOL else 0 for pin in row.state]
+    inputs = [sample(pin.type, 1) for pin in row.inputs]
+    state = [sample(pin.type, 0) for pin in row.state]
     kinds = [type(value) for value in FUNCTION_BLOCKS[name](0, *inputs, *state)]
-    assert kinds == [bool if pin.type is T.BOOL else int for pin in row.state]
+    assert kinds == [type(sample(pin.type, 0)) for pin in row.state]

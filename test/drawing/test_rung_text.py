@@ -93,7 +93,7 @@ WRONG = {
     'outside': rung(2, contact(0, 0, 'a'), coil(1, 0, 'x'), contact(3, 0, 'b'), row(1, 1, 2)),
     'bad_row': rung(2, block('b1', place(0, 0, 1, 2), 'CTU', 'c1', (powered('R', 7),)),
                     coil(1, 0, 'x')),
-    'unknown': rung(3, block('b1', place(0, 0), 'PID', 'p1', (operand('KP', '2.5'),)),
+    'unknown': rung(3, block('b1', place(0, 0), 'VALVE', 'p1', (operand('KP', '2.5'),)),
                     Instance(id='i1', placement=place(1, 0), composite='Lost', instance='l1',
                              arguments=(operand('A', 'x'),)), coil(2, 0, 'y')),
     'empty': rung(3),

@@ -42,7 +42,8 @@ def test_reader_when_form_is_wrong_then_every_diagnostic_has_a_line_and_help(pat
 
 
 def test_codes_of_files_when_listed_then_each_has_a_case() -> None:
-    codes = {code for code in PROBLEMS if code.startswith('L01')}
+    # From L0120 on they are about Structured Text and other tools' files.
+    codes = {code for code in PROBLEMS if code < 'L0120'}
     assert codes - {path.stem[:5] for path in FILES} == WITHOUT_FILE
 
 

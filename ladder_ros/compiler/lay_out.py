@@ -1,0 +1,155 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Lay out the state of a program: a slot for every elementary value that it keeps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from ladder_ros.compiler.il import active_flag, Instruction, InstructionList, Op
+from ladder_ros.compiler.stub_blocks import STUB
+from ladder_ros.compiler.symbols import Element, pou_key, Ref, Scope, Symbols
+from ladder_ros.executable import ARITHMETIC_ERRORS, Slot, SlotClass
+from ladder_ros.model.catalogue import BlockKind, CATALOGUE
+from ladder_ros.model.derived import leaves
+from ladder_ros.model.program import (
+    CallKind,
+    Composite,
+    Direction,
+    Parameter,
+    Program,
+    Variable,
+    VariableClass,
+)
+from ladder_ros.model.types import DataType, default_value, Value
+
+_CLASS = {
+    VariableClass.INPUT: SlotClass.INPUT, VariableClass.OUTPUT: SlotClass.OUTPUT,
+    VariableClass.LOCAL: SlotClass.LOCAL,
+}
+
+
+def lay_out(program: Program, symbols: Symbols, code: InstructionList) -> tuple[Slot, ...]:
+    """Return the slots of the program's state: variables, then blocks and memories as used."""
+    layout = _Layout(symbols=symbols, keeps_inputs=program.dialect != 'native')
+    layout.add(ARITHMETIC_ERRORS, DataType.LINT, SlotClass.SYSTEM, 0)
+    for variable in program.variables:
+        layout.add_variable('', variable, _io_class(variable))
+    if program.bodies:
+        layout.add_scope('', symbols.scopes[pou_key(program.bodies[0])])
+    composites = {composite.name.casefold(): composite for composite in program.composites}
+    for routine in code.routines:
+        for instruction in routine.instructions():
+            layout.add_instruction(instruction)
+            call = instruction.call
+            if instruction.op is Op.RUN and call is not None:
+                layout.add_instance(f'{call.instance}.', composites[call.name.casefold()])
+    return tuple(layout.slots.values())
+
+
+def _io_class(variable: Variable) -> SlotClass:
+    """Return the slot class; a located variable is I/O whatever its class says (DESIGN 5)."""
+    located = {'%I': SlotClass.INPUT, '%Q': SlotClass.OUTPUT}.get(variable.address[:2].upper())
+    if variable.variable_class is VariableClass.LOCAL and located is not None:
+        return located
+    return _CLASS[variable.variable_class]
+
+
+@dataclass(slots=True, kw_only=True)
+class _Layout:
+    symbols: Symbols
+    keeps_inputs: bool
+    """Whether the inputs of blocks are variables too (imported programs)."""
+    slots: dict[str, Slot] = field(default_factory=dict)
+    instances: set[str] = field(default_factory=set)
+
+    def add(
+        self, path: str, type_: DataType, slot_class: SlotClass, initial: Value,
+        identity: str = '',
+    ) -> None:
+        key = path.casefold()
+        if key not in self.slots:
+            self.slots[key] = Slot(
+                index=len(self.slots), path=path, type=type_, slot_class=slot_class,
+                initial=initial, identity=identity or type_.value)
+
+    def add_variable(
+        self, prefix: str, variable: Variable | Parameter, slot_class: SlotClass,
+    ) -> None:
+        """Add the parts of a variable, or of a parameter that is copied."""
+        if isinstance(variable, Parameter):
+            initial, retain, address = variable.default, False, ''
+        else:
+            initial, retain, address = variable.initial, variable.retain, variable.address
+        for suffix, type_, value in leaves(variable.type, initial):
+            path = f'{prefix}{variable.name}{suffix}'
+            self.slots.setdefault(path.casefold(), Slot(
+                index=len(self.slots), path=path, type=type_, slot_class=slot_class,
+                initial=value, identity=type_.value, retain=retain, address=address,
+                comment=variable.comment, location=variable.location))
+
+    def add_scope(self, prefix: str, scope: Scope) -> None:
+        """Add what the instances of a POU keep, nested ones too."""
+        for name, composite in scope.instances.values():
+            self.add_instance(f'{prefix}{name}.', composite)
+        if self.keeps_inputs:
+            for name, kind in scope.blocks.values():
+                self.add_block(prefix + name, kind)
+
+    def add_instance(self, prefix: str, composite: Composite) -> None:
+        """Add the variables of one instance of a composite."""
+        if prefix.casefold() in self.instances:
+            return
+        self.instances.add(prefix.casefold())
+        for variable in _kept(composite):
+            self.add_variable(prefix, variable, _instance_class(composite, variable))
+        self.add_scope(prefix, self.symbols.scopes[pou_key(composite)])
+
+    def add_block(self, instance: str, kind: BlockKind) -> None:
+        """Add the state of a function block instance."""
+        for pin in kind.state:
+            assert isinstance(pin.type, DataType) and pin.default is not None
+            self.add(f'{instance}.{pin.name}', pin.type, SlotClass.BLOCK, pin.default,
+                     f'{kind.name}.{pin.name}:{pin.type}')
+        if self.keeps_inputs:
+            for pin in kind.inputs:
+                assert isinstance(pin.type, DataType)
+                initial = default_value(pin.type) if pin.default is None else pin.default
+                self.add(f'{instance}.{pin.name}', pin.type, SlotClass.BLOCK, initial,
+                         f'{kind.name}.{pin.name}:{pin.type}')
+
+    def add_instruction(self, instruction: Instruction) -> None:
+        """Add the memories and hidden variables that an instruction needs."""
+        if instruction.memory is not None:
+            # An edge of another variable is another memory: it must not survive an online change.
+            self.add(instruction.memory.path, DataType.BOOL, SlotClass.EDGE, False,
+                     f'{instruction.op.value[-1]} edge of {instruction.operand}'.casefold())
+        for target in (instruction.target, instruction.operand):
+            if isinstance(target, Ref) and '%data' in target.path:
+                self.add(target.path, target.type, SlotClass.SYSTEM, default_value(target.type))
+        call = instruction.call
+        if call is None:
+            return
+        for _, target in call.outputs:
+            if not isinstance(target, Element) and not target.path.startswith('%T'):
+                self.add(target.path, target.type, SlotClass.SYSTEM, default_value(target.type))
+        if instruction.op in (Op.EXE, Op.RUN):
+            self.add(active_flag(call.instance).path, DataType.BOOL, SlotClass.SYSTEM, False)
+        elif instruction.op is Op.CAL:
+            self.add_block(call.instance, CATALOGUE[call.name])
+
+
+def _instance_class(composite: Composite, variable: Variable | Parameter) -> SlotClass:
+    """Return the slot class in an instance: the pins of a stand-in are the program's I/O."""
+    if composite.category != STUB or not isinstance(variable, Parameter):
+        return SlotClass.LOCAL
+    is_input = variable.direction is Direction.INPUT
+    return SlotClass.OUTPUT if is_input else SlotClass.INPUT
+
+
+def _kept(composite: Composite) -> Iterator[Variable | Parameter]:
+    """Yield what an instance keeps: its variables, and parameters that are passed by value."""
+    yield from composite.variables
+    if composite.call in (CallKind.BLOCK, CallKind.FUNCTION):
+        yield from (p for p in composite.parameters if p.direction is not Direction.INOUT)

@@ -1,0 +1,51 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What lowering the expressions and statements of one POU shares: names, temporaries, problems.
+
+Imported drawings (``wires_to_aov``) and Structured Text (``st_to_il``) both use it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from ladder_ros.compiler.symbols import Ref, Scope
+from ladder_ros.diagnostics import Diagnostic, Location, problem
+from ladder_ros.model.program import Composite
+from ladder_ros.model.st import Expression
+from ladder_ros.model.types import DataType
+
+FIRST_TEMPORARY = 100_000
+"""Temporaries of expressions count from here, out of the way of those of a rung's trees."""
+
+
+@dataclass(slots=True, kw_only=True)
+class Lowering:
+    """Context of one POU.
+
+    ``composites`` are the program's definitions by casefolded name (user functions and function
+    blocks); ``expressions`` and ``enumerations`` are those of the program.
+    """
+
+    scope: Scope
+    composites: Mapping[str, Composite] = field(default_factory=dict)
+    expressions: Mapping[str, Expression] = field(default_factory=dict)
+    enumerations: Mapping[str, int] = field(default_factory=dict)
+    found: list[Diagnostic] = field(default_factory=list)
+    temporaries: int = FIRST_TEMPORARY
+    calls: int = 0
+
+    def temporary(self, type_: DataType) -> Ref:
+        """Return a fresh temporary of a type."""
+        self.temporaries += 1
+        return Ref(path=f'%T{self.temporaries}', type=type_)
+
+    def call_instance(self) -> str:
+        """Return the path of a fresh hidden instance, for one call site of a user function."""
+        self.calls += 1
+        return f'%call.{self.calls}'
+
+    def report(self, code: str, location: Location, label: str = '', **facts: object) -> None:
+        """Note a problem; the arguments are those of ``diagnostics.problem``."""
+        self.found.append(problem(code, location, label, **facts))  # type: ignore[arg-type]

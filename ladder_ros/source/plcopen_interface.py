@@ -1,0 +1,254 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Declarations of a PLCopen project: interfaces of POUs and lists of global variables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from enum import Enum
+import re
+
+from ladder_ros.diagnostics import LadderError, Location, problem
+from ladder_ros.model.derived import elementary, Initial, LEAF_LIMIT, leaves, Type
+from ladder_ros.model.program import Direction, Parameter, Variable, VariableClass
+from ladder_ros.model.types import Value
+from ladder_ros.source.grammar import ADDRESS, MAX_VARIABLES
+from ladder_ros.source.plcopen_project import child, children, prose
+from ladder_ros.source.plcopen_report import Report
+from ladder_ros.source.plcopen_types import BlockType, NoType, Typed, Types
+from ladder_ros.source.plcopen_values import read_initial
+from ladder_ros.source.xml_tree import Element
+
+_MAX_LEAVES = 10 * LEAF_LIMIT
+_MAX_COMMENT = 500
+_TRUE = ('true', '1')
+
+
+class Section(Enum):
+    """The sections of an interface by the names of their elements."""
+
+    LOCAL = 'localVars'
+    TEMP = 'tempVars'
+    INPUT = 'inputVars'
+    OUTPUT = 'outputVars'
+    INOUT = 'inOutVars'
+    EXTERNAL = 'externalVars'
+    GLOBAL = 'globalVars'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Declaration:
+    """A declared variable and the section it stands in."""
+
+    section: Section
+    variable: Variable
+
+    def parameter(self) -> Parameter | None:
+        """Return the variable as a function block's parameter, or None if it is none."""
+        directions = {
+            Section.INPUT: Direction.INPUT, Section.OUTPUT: Direction.OUTPUT,
+            Section.INOUT: Direction.INOUT,
+        }
+        direction = directions.get(self.section)
+        if direction is None:
+            return None
+        own = self.variable
+        return Parameter(
+            name=own.name, type=own.type, direction=direction, default=own.initial,
+            comment=own.comment, location=own.location)
+
+
+@dataclass(slots=True, kw_only=True)
+class Interface:
+    """What a POU (or a list of globals) declares."""
+
+    declarations: list[Declaration] = field(default_factory=list)
+    blocks: list[tuple[str, str]] = field(default_factory=list)
+    externals: list[Declaration] = field(default_factory=list)
+    external_blocks: list[tuple[str, str, Location]] = field(default_factory=list)
+    result: Typed | None = None
+    unsupported: str = ''
+    known: set[str] = field(default_factory=set)
+    """Casefolded names of all that has been read."""
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Casefolded names of all that is declared here, externals left out."""
+        return frozenset(
+            [d.variable.name.casefold() for d in self.declarations]
+            + [name.casefold() for name, _ in self.blocks])
+
+    def variables(self) -> Iterator[Variable]:
+        """Yield all variables, inputs and outputs included."""
+        for declaration in self.declarations:
+            yield declaration.variable
+
+    def locals(self) -> Iterator[Variable]:
+        """Yield the variables that are no parameters of a function block."""
+        for declaration in self.declarations:
+            if declaration.parameter() is None:
+                yield declaration.variable
+
+    def parameters(self) -> Iterator[Parameter]:
+        """Yield the parameters of a function block."""
+        for declaration in self.declarations:
+            parameter = declaration.parameter()
+            if parameter is not None:
+                yield parameter
+
+
+class Declarations:
+    """Reads interfaces; counts what all of them declare."""
+
+    def __init__(self, types: Types, report: Report) -> None:
+        """Start with no constants known."""
+        self._types = types
+        self._report = report
+        self._constants: dict[str, Value] = {}
+        self._count = 0
+        self._leaves = 0
+
+    def interface(self, element: Element | None, is_function: bool) -> Interface:
+        """Return what an ``interface`` element declares."""
+        found = Interface()
+        if element is None:
+            return found
+        constants = dict(self._constants)
+        for section in element.children:
+            if section.tag in ('returnType', 'addData', 'documentation'):
+                continue
+            try:
+                kind = Section(section.tag)
+            except ValueError:
+                self._report.omit(section, f'<{section.tag}>', 'it is not known here')
+                continue
+            self._section(section, kind, found, constants)
+        if is_function:
+            result = self._types.declared(child(element, 'returnType'))
+            if isinstance(result, Typed):
+                found.result = result
+            elif child(element, 'returnType') is not None:
+                reason = result.reason if isinstance(result, NoType) else 'it is no data type'
+                self._report.add('L0135', element, type='of the result', reason=reason)
+        return found
+
+    def globals(self, element: Element) -> Interface:
+        """Return what a ``globalVars`` element declares; its constants are known from now on."""
+        found = Interface()
+        self._section(element, Section.GLOBAL, found, self._constants)
+        return found
+
+    def _section(self, element: Element, section: Section, into: Interface,
+                 constants: dict[str, Value]) -> None:
+        for inner in children(element, 'variable'):
+            self._count += 1
+            if self._count > MAX_VARIABLES:
+                raise self._too_large(inner, 'variables', MAX_VARIABLES)
+            name = inner.attributes.get('name', '').strip()
+            if not name or name.casefold() in into.known:
+                self._report.add('L0140', inner, name=name or 'a variable without a name')
+                continue
+            into.known.add(name.casefold())
+            self._variable(inner, name, element, section, into, constants)
+
+    def _variable(self, element: Element, name: str, group: Element, section: Section,
+                  into: Interface, constants: dict[str, Value]) -> None:
+        found = self._types.declared(child(element, 'type'))
+        match found:
+            case BlockType():
+                self._block(element, name, found, section, into)
+            case NoType():
+                if found.fatal:
+                    self._report.add('L0135', element, type=f'of {name}', reason=found.reason)
+                else:
+                    self._report.omit(element, f'the variable {name}', found.reason)
+                if section in (Section.INPUT, Section.OUTPUT, Section.INOUT):
+                    into.unsupported = f'parameter {name}: {found.reason}'
+            case Typed():
+                self._leaves += self._types.size(found.type)
+                if self._leaves > _MAX_LEAVES:
+                    raise self._too_large(element, 'elementary values', _MAX_LEAVES)
+                declaration = self._declaration(element, name, found, group, section, constants)
+                external = section is Section.EXTERNAL
+                (into.externals if external else into.declarations).append(declaration)
+
+    def _block(self, element: Element, name: str, found: BlockType, section: Section,
+               into: Interface) -> None:
+        if not found.known:
+            self._report.add('L0141', element, name=name, type=found.name)
+        if section in (Section.INPUT, Section.OUTPUT, Section.INOUT):
+            into.unsupported = f'a function block as a parameter ({name})'
+        if child(element, 'initialValue') is not None:
+            self._report.omit(
+                element, f'the initial value of {name}', 'a function block starts afresh')
+        if section is Section.EXTERNAL:
+            into.external_blocks.append((name, found.name, self._report.at(element)))
+        else:
+            into.blocks.append((name, found.name))
+
+    def _declaration(self, element: Element, name: str, found: Typed, group: Element,
+                     section: Section, constants: dict[str, Value]) -> Declaration:
+        def flag(*attributes: str) -> bool:
+            return any(group.attributes.get(a, '').lower() in _TRUE for a in attributes)
+
+        address, class_ = self._address(element, name, found.type)
+        given = child(element, 'initialValue')
+        initial = found.initial
+        if given is not None and section is not Section.EXTERNAL:
+            initial = self._initial(given, name, found, constants)
+        constant = flag('constant')
+        value = initial
+        if constant and elementary(found.type) is not None:
+            if value is None:
+                value = next(leaves(found.type))[2]
+            if not isinstance(value, tuple):
+                constants[name.casefold()] = value
+        classes = {Section.INPUT: VariableClass.INPUT, Section.OUTPUT: VariableClass.OUTPUT,
+                   Section.INOUT: VariableClass.INPUT}
+        documentation = child(element, 'documentation')
+        comment = '' if documentation is None else ' '.join(prose(documentation).split())
+        return Declaration(section=section, variable=Variable(
+            name=name, type=found.type, variable_class=classes.get(section, class_),
+            initial=initial, retain=flag('retain', 'persistent'), constant=constant,
+            address=address, comment=comment[:_MAX_COMMENT], location=self._report.at(element)))
+
+    def _initial(self, element: Element, name: str, found: Typed,
+                 constants: dict[str, Value]) -> Initial:
+        try:
+            return _completed(read_initial(element, found.type, constants), found)
+        except ValueError as error:
+            self._report.add('L0136', element, name=name, reason=error)
+            return found.initial
+
+    def _address(self, element: Element, name: str, type_: Type) -> tuple[str, VariableClass]:
+        """Return the located address, and what it makes the variable where it is not complete."""
+        text = element.attributes.get('address', '').strip()
+        if not text:
+            return '', VariableClass.LOCAL
+        if elementary(type_) is None:
+            self._report.omit(element, f'the address {text} of {name}', 'only single values have')
+            return '', VariableClass.LOCAL
+        if ADDRESS.fullmatch(text):
+            return text.upper(), VariableClass.LOCAL
+        if match := re.fullmatch(r'%([IQM])[XBWDL]?\*', text, re.IGNORECASE):
+            classes = {'I': VariableClass.INPUT, 'Q': VariableClass.OUTPUT}
+            return '', classes.get(match[1].upper(), VariableClass.LOCAL)
+        guess = f'%{text}'.upper()
+        if text[0] in 'IQiq' and ADDRESS.fullmatch(guess):
+            self._report.odd(element, f'the address {text} of {name}', guess)
+            return guess, VariableClass.LOCAL
+        self._report.add('L0137', element, address=text, name=name)
+        return '', VariableClass.LOCAL
+
+    def _too_large(self, element: Element, what: str, limit: int) -> LadderError:
+        return LadderError([problem(
+            'L0107', self._report.at(element), what=f'more than {limit} {what}',
+            limit=f'{limit} {what}')])
+
+
+def _completed(initial: Initial, found: Typed) -> Initial:
+    """Return a nested value, with the type's own for the parts that it does not give."""
+    if not isinstance(initial, tuple) or not isinstance(found.initial, tuple):
+        return initial
+    return tuple({**dict(found.initial), **dict(initial)}.items())

@@ -1,0 +1,58 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Any program that can be read, told apart by what it is, never by its file's name."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from pathlib import Path
+
+from ladder_ros.model.program import Program
+from ladder_ros.source.openplc_files import pou_files, PROJECT_FILE
+from ladder_ros.source.openplc_to_model import read_openplc
+from ladder_ros.source.plcopen_project import is_project
+from ladder_ros.source.plcopen_to_model import parse_project
+from ladder_ros.source.xml_to_model import parse_program
+from ladder_ros.source.xml_tree import read_file, root_element
+
+
+def read_any(path: str | os.PathLike[str]) -> Program:
+    """Read a program: our own XML, PLCopen TC6 XML, or the folder of an OpenPLC v4 project.
+
+    Raises LadderError with what keeps it from being read.
+    """
+    name = os.fspath(path)
+    folder = openplc_folder(name)
+    if folder is not None:
+        return read_openplc(folder)
+    return parse_any(read_file(name), name)
+
+
+def parse_any(data: bytes, file: str = '') -> Program:
+    """Read a program from the bytes of an XML file; ``file`` is its name in locations."""
+    namespace, tag = root_element(data)
+    if is_project(namespace, tag):
+        return parse_project(data, file)
+    return parse_program(data, file)
+
+
+def openplc_folder(path: str) -> Path | None:
+    """Return the folder of an OpenPLC v4 project that a path means, or None if it means none."""
+    try:
+        given = Path(path)
+        if given.name == PROJECT_FILE and given.is_file():
+            return given.parent
+        return given if given.is_dir() and (given / PROJECT_FILE).is_file() else None
+    except (OSError, ValueError):  # a NUL in the path: reading it says so
+        return None
+
+
+def folder_hash(folder: Path) -> str:
+    """Return the SHA-256 of a project's files, names included."""
+    digest = hashlib.sha256()
+    for file in (folder / PROJECT_FILE, *pou_files(folder)):
+        data = read_file(file)
+        digest.update(os.fsencode(file.relative_to(folder)) + b'\0%d\0' % len(data))
+        digest.update(data)
+    return digest.hexdigest()

@@ -1,0 +1,244 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Programs as text: types, POUs, variables and configurations become the model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+import pytest
+
+from ladder_ros.compiler.pipeline import compile_program
+from ladder_ros.diagnostics import LadderError, render
+from ladder_ros.executable import Variant
+from ladder_ros.model.derived import Array, Enumeration, Structure, Subrange
+from ladder_ros.model.program import CallKind, Direction, Program, Variable, VariableClass
+from ladder_ros.model.types import DataType, NS_PER_MS
+from ladder_ros.source.declarations import parse_header
+from ladder_ros.source.st_to_model import is_st, parse_st, split_pou
+
+T = DataType
+
+
+def read(text: str) -> Program:
+    return parse_st(text.encode(), 'p.st')
+
+
+def variable(declaration: str, types: str = '') -> Variable:
+    """Return the one variable of a program that declares it."""
+    (found,) = read(f'{types} PROGRAM p VAR {declaration} END_VAR END_PROGRAM').variables
+    return found
+
+
+@pytest.mark.parametrize(('declaration', 'type_', 'initial'), [
+    ('x : BOOL;', T.BOOL, None),
+    ('x : bool := TRUE;', T.BOOL, True),
+    ('x : INT := -5;', T.INT, -5),
+    ('x : WORD := 16#FF;', T.WORD, 255),
+    ('x : REAL := 1.5E3;', T.REAL, 1500.0),
+    ('x : TIME := T#1s500ms;', T.TIME, 1500 * NS_PER_MS),
+    ("x : STRING[20] := 'it$'s';", T.STRING, "it's"),
+    ('x : STRING(20);', T.STRING, None),
+    ('x : ARRAY[1..3] OF INT := [1, 2(7)];', Array(bounds=((1, 3),), element=T.INT),
+     (('[1]', 1), ('[2]', 7), ('[3]', 7))),
+    ('x : ARRAY [0..1, -1..0] OF BOOL;', Array(bounds=((0, 1), (-1, 0)), element=T.BOOL), None),
+    ('x : INT (0..10) := 3;', Subrange(base=T.INT, low=0, high=10), 3),
+])
+def test_variable_when_declared_then_type_and_initial_value(
+    declaration: str, type_: object, initial: object,
+) -> None:
+    found = variable(declaration)
+    assert (found.type, found.initial) == (type_, initial)
+
+
+@pytest.mark.parametrize('declaration', ['x AT %IX0.0 : BOOL;', 'x : BOOL AT %IX0.0;'])
+def test_variable_when_located_then_address(declaration: str) -> None:
+    assert variable(declaration).address == '%IX0.0'
+
+
+def test_variable_when_its_type_is_declared_then_resolved() -> None:
+    types = """TYPE
+        Colour : (red, green := 5, blue) := green;
+        Level : INT (0..100);
+        Tank : STRUCT level : Level := 50; colour : Colour; valves : ARRAY[1..2] OF BOOL;
+               END_STRUCT;
+        Farm : ARRAY[1..2] OF Tank;
+    END_TYPE"""
+    colour = Enumeration(name='Colour', values=(('red', 0), ('green', 5), ('blue', 6)))
+    assert variable('x : Colour := blue;', types).initial == 6
+    assert variable('x : Colour;', types).type == colour
+    farm = variable('x : Farm;', types).type
+    assert isinstance(farm, Array)
+    tank = farm.element
+    assert isinstance(tank, Structure)
+    assert [field.name for field in tank.fields] == ['level', 'colour', 'valves']
+    tank_value = variable('x : Tank := (level := 7, valves := [TRUE, FALSE]);', types).initial
+    assert isinstance(tank_value, tuple)
+    assert {('.level', 7), ('.valves[1]', True), ('.valves[2]', False)} <= set(tank_value)
+
+
+def test_program_when_it_has_sections_then_classes() -> None:
+    found = read("""PROGRAM p
+        VAR_INPUT a : BOOL; END_VAR  VAR_OUTPUT b : BOOL; END_VAR
+        VAR CONSTANT c : INT := 3; END_VAR  VAR RETAIN d, e : INT; END_VAR
+        VAR t : TON; END_VAR
+        END_PROGRAM""")
+    by_name = {v.name: v for v in found.variables}
+    assert list(by_name) == ['a', 'b', 'c', 'd', 'e']
+    assert by_name['a'].variable_class is VariableClass.INPUT
+    assert by_name['b'].variable_class is VariableClass.OUTPUT
+    assert by_name['c'].constant and by_name['d'].retain and not by_name['c'].retain
+    assert found.blocks == (('t', 'TON'),)
+
+
+def test_pous_when_declared_then_composites() -> None:
+    found = read("""
+        FUNCTION f : INT VAR_INPUT x : INT := 2; END_VAR f := x; END_FUNCTION
+        FUNCTION_BLOCK b VAR_IN_OUT y : INT; END_VAR VAR z : INT; END_VAR
+          y := f(y) + z; END_FUNCTION_BLOCK
+        PROGRAM p VAR i : b; n : INT; END_VAR i(y := n); END_PROGRAM""")
+    function, block = found.composites
+    assert (function.call, block.call) == (CallKind.FUNCTION, CallKind.BLOCK)
+    assert [(p.name, p.direction, p.default) for p in function.parameters] == [
+        ('x', Direction.INPUT, 2), ('f', Direction.OUTPUT, None)]
+    assert [p.direction for p in block.parameters] == [Direction.INOUT]
+    assert [v.name for v in block.variables] == ['z']
+
+
+def test_configuration_when_given_then_tasks_and_globals() -> None:
+    found = read("""
+        PROGRAM p VAR_EXTERNAL g : INT; END_VAR VAR n : INT; END_VAR n := g; END_PROGRAM
+        CONFIGURATION c
+          VAR_GLOBAL g : INT := 4; END_VAR
+          RESOURCE r ON PLC
+            TASK fast(INTERVAL := T#5ms, PRIORITY := 1);
+            PROGRAM one WITH fast : p;
+            PROGRAM two WITH fast : p;
+          END_RESOURCE
+        END_CONFIGURATION""")
+    (task,) = found.tasks
+    assert (task.name, task.interval, task.priority) == ('fast', 5 * NS_PER_MS, 1)
+    assert [(body.name, body.task) for body in found.bodies] == [('one', 'fast'), ('two', 'fast')]
+    assert [v.name for v in found.variables] == ['g']
+
+
+TANK = """
+(* A tank with two limits *)
+FUNCTION_BLOCK Limits
+  VAR_INPUT level, low, high : INT; END_VAR
+  VAR_OUTPUT filling : BOOL; END_VAR
+  VAR delay : TON; END_VAR
+  IF level <= low THEN filling := TRUE;
+  ELSIF level >= high THEN filling := FALSE; END_IF;
+  delay(IN := filling, PT := T#20ms);
+END_FUNCTION_BLOCK
+
+PROGRAM main
+  VAR_INPUT level : INT; END_VAR
+  VAR_OUTPUT pump AT %QX0.0 : BOOL; END_VAR
+  VAR limits : Limits; seen : ARRAY[0..3] OF INT; n : INT; END_VAR
+  limits(level := level, low := 10, high := 20);
+  pump := limits.delay.Q;
+  seen[n MOD 4] := level;   // a ring
+  n := n + 1;
+END_PROGRAM
+"""
+
+
+@pytest.mark.parametrize('backend', ['python', 'interpreter'])
+def test_program_when_read_from_text_then_it_runs(backend: str) -> None:
+    executable = compile_program(read(TANK), backend=backend).executable
+    (scan,) = executable.build(Variant()).values()
+    state = executable.initial_state()
+    slots = {slot.path: slot.index for slot in executable.slots}
+    pump = []
+    for number, level in enumerate([5, 12, 15, 19, 20, 19, 9]):
+        state[slots['level']] = level
+        scan(state, number * 10 * NS_PER_MS, None)
+        pump.append(state[slots['pump']])
+    assert pump == [False, False, True, True, False, False, False]
+    assert [state[slots[f'seen[{k}]']] for k in range(4)] == [20, 19, 9, 19]
+
+
+@pytest.mark.parametrize(('text', 'expected'), [
+    ('PROGRAM p', True), ('\ufeff\n (* a *) // b\n{c} type', True), ('<ladder/>', False),
+    ('PROGRAMS', False), ('', False), ('(* PROGRAM', False), ('a := 1;', False),
+])
+def test_file_when_asked_then_its_beginning_tells_structured_text(
+    text: str, expected: bool,
+) -> None:
+    assert is_st(text.encode()) is expected
+
+
+# -- one POU of a project --------------------------------------------------------------------
+
+def test_header_when_body_is_json_then_cut_before_it() -> None:
+    text = ('PROGRAM main\nVAR\n\ta : bool AT %IX0.0; (* { *)\n\tt : TON;\nEND_VAR\n\n'
+            '{\n "x": 1\n}\n')
+    found = split_pou(text)
+    assert found.header.endswith('END_VAR')
+    assert found.body.strip() == '{\n "x": 1\n}'
+    assert found.body_line == 5
+    pou = parse_header(found.header)
+    assert (pou.attributes, pou.children[0].children[0].tag) == (
+        {'name': 'main', 'pouType': 'program'}, 'localVars')
+
+
+@pytest.mark.parametrize(('text', 'header', 'body'), [
+    ('PROGRAM p\na := 1;\nEND_PROGRAM\n', 'PROGRAM p', 'a := 1;'),
+    ("FUNCTION f : STRING[8] VAR x : STRING := 'END_VAR'; END_VAR f := x; END_FUNCTION",
+     "FUNCTION f : STRING[8] VAR x : STRING := 'END_VAR'; END_VAR", 'f := x;'),
+    ('(* PROGRAM old *) FUNCTION_BLOCK b VAR_INPUT x : INT; END_VAR VAR y : INT; END_VAR y := x;',
+     '(* PROGRAM old *) FUNCTION_BLOCK b VAR_INPUT x : INT; END_VAR VAR y : INT; END_VAR',
+     'y := x;'),
+])
+def test_header_when_body_is_text_then_cut_before_it(text: str, header: str, body: str) -> None:
+    found = split_pou(text)
+    assert (found.header.strip(), found.body.strip()) == (header, body)
+
+
+MISTAKES = {
+    'no_end': 'PROGRAM p\nVAR a : BOOL; END_VAR\na := TRUE;\n',
+    'between': 'PROGRAM p END_PROGRAM\nhello;\nPROGRAM q END_PROGRAM',
+    'no_type': 'PROGRAM p\nVAR\n  a : ;\nEND_VAR\nEND_PROGRAM',
+    'no_colon': 'PROGRAM p\nVAR\n  a BOOL;\nEND_VAR\nEND_PROGRAM',
+    'computed': 'PROGRAM p\nVAR\n  a : INT := 1 + 2;\nEND_VAR\nEND_PROGRAM',
+    'initial': 'PROGRAM p\nVAR\n  a : INT := 1.5;\nEND_VAR\nEND_PROGRAM',
+    'bounds': 'PROGRAM p\nVAR\n  a : ARRAY[5..1] OF INT;\nEND_VAR\nEND_PROGRAM',
+    'recursive': 'TYPE s : STRUCT x : s; END_STRUCT; END_TYPE\n'
+                 'PROGRAM p\nVAR a : s; END_VAR\nEND_PROGRAM',
+    'body': 'PROGRAM p\nVAR a : INT; END_VAR\n\na := 1\nEND_PROGRAM',
+    'nothing': '(* nothing *)',
+    'task': 'PROGRAM p END_PROGRAM\nCONFIGURATION c\nTASK t(5);\nEND_CONFIGURATION',
+}
+
+
+@pytest.mark.parametrize('name', MISTAKES)
+def test_program_when_wrong_then_says_where_and_what(
+    name: str, golden: Callable[[str, str], None],
+) -> None:
+    with pytest.raises(LadderError) as caught:
+        read(MISTAKES[name])
+    text = '\n'.join(f'| {line}' for line in MISTAKES[name].split('\n'))
+    golden(f'{text}\n\n{render(caught.value.diagnostics)}', f'st/program_{name}.txt')
+
+
+def test_program_when_no_text_then_refused() -> None:
+    with pytest.raises(LadderError) as caught:
+        parse_st(b'PROGRAM \xff', 'p.st')
+    assert caught.value.diagnostics[0].code == 'L0109'
+
+
+@given(st.lists(st.sampled_from([
+    'PROGRAM', 'END_PROGRAM', 'FUNCTION', 'f', ':', 'INT', 'VAR', 'END_VAR', 'x', ';', ':=', '1',
+    'TYPE', 'END_TYPE', 'STRUCT', '(', ')', '[', '..', 'ARRAY', 'OF', 'CONFIGURATION', 'TASK',
+    'END_CONFIGURATION', "'", '(*', '*)', '{', '\n', 'VAR_GLOBAL', 'AT', '%IX0.0', 'é', '\0'],
+), max_size=25).map(' '.join))
+@settings(max_examples=200)
+def test_program_when_text_is_noise_then_nothing_but_a_ladder_error(text: str) -> None:
+    try:
+        read(text)
+    except LadderError as error:
+        assert error.diagnostics
