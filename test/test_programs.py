@@ -144,3 +144,20 @@ def test_elevators_when_compared_then_inputs_and_outputs_are_the_same() -> None:
 
 def test_flat_elevator_when_read_then_it_has_no_composites() -> None:
     assert FLAT.composites == ()
+
+
+# -- what goes with the programs ------------------------------------------------------------------
+
+def test_readme_when_read_then_it_lists_every_program_and_counts_right() -> None:
+    text = (PROGRAMS / 'README.md').read_text(encoding='utf-8')
+    assert [path.name for path in PATHS if f'| `{path.name}` |' not in text] == []
+    for program in (COMPOSITE, FLAT):
+        row = next(line for line in text.splitlines() if f'`{program.name}.xml`' in line)
+        assert f'{drawn(program)} components' in row
+
+
+def test_start_stop_when_fed_its_table_then_the_motor_follows_the_buttons() -> None:
+    loaded = session.compile_file(PROGRAMS / 'start_stop.xml')
+    result = session.simulate(loaded, inputs=PROGRAMS / 'start_stop.csv', watch=('motor',))
+    assert [row[0] for row in result] == [
+        False, True, True, True, False, False, True, True, False, False]

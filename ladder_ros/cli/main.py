@@ -18,6 +18,7 @@ import io
 import json
 from pathlib import Path
 import sys
+from textwrap import fill
 import traceback
 
 import ladder_ros
@@ -172,8 +173,9 @@ def _parser() -> argparse.ArgumentParser:
     verbs = parser.add_subparsers(dest='verb', metavar='VERB', required=True)
     for verb in VERBS.values():
         one = verbs.add_parser(
-            verb.name, help=verb.summary, description=verb.description, allow_abbrev=False,
-            formatter_class=argparse.RawDescriptionHelpFormatter, epilog=_examples(verb.examples))
+            verb.name, help=verb.summary, description=fill(verb.description, 79),
+            formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
+            epilog=_examples(verb.examples))
         one.add_argument('program', metavar='PROGRAM',
                          help='a file, or the name of an example that comes with ladder_ros')
         verb.add_arguments(one)

@@ -11,6 +11,8 @@ from ladder_ros.drawing.glyphs import DOWN, Glyphs, LEFT, RIGHT, UP
 
 def printable(text: str, glyphs: Glyphs) -> str:
     """Return the text on one line, without what would harm a terminal or the alignment."""
+    if text.isascii() and text.isprintable():
+        return text
     shown = ''.join(c if c.isprintable() and not unicodedata.combining(c) else
                     ' ' if c.isspace() else '\N{REPLACEMENT CHARACTER}' for c in text)
     return shown.encode('ascii', 'replace').decode('ascii') if glyphs.ascii_only else shown
@@ -18,7 +20,7 @@ def printable(text: str, glyphs: Glyphs) -> str:
 
 def text_width(text: str) -> int:
     """Return how many columns a terminal gives the (printable) text."""
-    return sum(_width(c) for c in text)
+    return len(text) if text.isascii() else sum(_width(c) for c in text)
 
 
 def _width(character: str) -> int:

@@ -60,7 +60,8 @@ RULES: tuple[Rule, ...] = (
     Rule(name='autostart', kind=bool, default=True, description=(
         'Whether scanning starts with the node; otherwise call ~/start.')),
     Rule(name='forces', kind=list, default=[], read_only=False, description=(
-        'Variables held at a value whatever the program does: a list of name=value.')),
+        "Variables held at a value whatever the program does: a list of name=value; [''] for "
+        'none.')),
     Rule(name='status_period', kind=float, default=1.0, low=0.1, high=3600.0, description=(
         'Seconds between messages on ~/state while nothing changes.')),
 )

@@ -237,8 +237,8 @@ class Plc:
         return [
             Declaration(
                 name=item.name, rule=item.rule,
-                value=[str(folder) for folder in self._folders.folders]
-                if item.name == 'program_folders' else item.value)
+                value=_shown([str(folder) for folder in self._folders.folders]
+                             if item.name == 'program_folders' else item.value))
             for item in self._settings.declarations
         ]
 
@@ -285,7 +285,7 @@ class Plc:
     def _read_forces(self, texts: Sequence[str]) -> dict[str, Value]:
         """Return the values to force by the variable's name; raises LadderError."""
         wanted: dict[str, Value] = {}
-        for text in texts:
+        for text in filter(None, texts):
             name, sign, value = text.partition('=')
             if not sign:
                 raise LadderError.of(
@@ -365,6 +365,11 @@ def read_overrides(node: Any) -> dict[str, Any]:
         for name, parameter in node._parameter_overrides.items()
         if parameter.type_ != Parameter.Type.NOT_SET
     }
+
+
+def _shown(value: Any) -> Any:
+    """Return a value that can be declared: an empty list would be taken for one of bytes."""
+    return [''] if value == [] else value
 
 
 def _key(loaded: Loaded) -> tuple[str, str]:

@@ -120,7 +120,7 @@ def _share(name: str, package: str) -> Path:
         return resource_dir('programs').parent
     try:
         return Path(get_package_share_directory(package))
-    except (PackageNotFoundError, ValueError, LookupError):
+    except (PackageNotFoundError, OSError, ValueError, LookupError):
         raise refusal(
             name, f'there is no package {package!r} in AMENT_PREFIX_PATH; source its workspace',
         ) from None

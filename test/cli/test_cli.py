@@ -1,6 +1,6 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The command ``ladder`` in a process of its own: exit status, streams, one JSON document."""
+"""The command ``ladder``: exit status, streams, one JSON document, and what each verb prints."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ladder_ros.diagnostics import InternalError
 
 INPUTS = 'start,stop\n1,\n0,\n,\n,1\n'
 Run = subprocess.CompletedProcess[str]
-Golden = Callable[[str, str], None]
+Inside = Callable[..., Run]
 
 
 def ladder(*args: str, cwd: Path | None = None, encoding: str = 'utf-8') -> Run:
@@ -45,6 +45,20 @@ def folder(tmp_path: Path) -> Path:
         (tmp_path / f'{name}.xml').write_text(text, encoding='utf-8')
     (tmp_path / 'in.csv').write_text(INPUTS)
     return tmp_path
+
+
+@pytest.fixture
+def inside(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Inside:
+    """Run the command in this process, which is quicker, and in the folder of programs."""
+    def run(*args: str) -> Run:
+        status = command.main(args)
+        printed = capsys.readouterr()
+        return subprocess.CompletedProcess(args, status, printed.out, printed.err)
+
+    monkeypatch.chdir(folder)
+    return run
 
 
 VERBS: dict[str, Sequence[str]] = {
@@ -97,8 +111,8 @@ def test_command_when_used_wrongly_then_the_status_is_2(
     assert json.loads(document.stdout)['error']['kind'] == 'usage'
 
 
-def test_verb_when_misspelt_then_the_right_one_is_offered() -> None:
-    assert 'did you mean simulate?' in ladder('simulat', 'x.xml').stderr
+def test_verb_when_misspelt_then_the_right_one_is_offered(inside: Inside) -> None:
+    assert 'did you mean simulate?' in inside('simulat', 'x.xml').stderr
 
 
 def test_version_when_asked_for_then_it_is_printed() -> None:
@@ -107,34 +121,34 @@ def test_version_when_asked_for_then_it_is_printed() -> None:
 
 
 @pytest.mark.parametrize('args', [('--help',), *((verb, '--help') for verb in VERBS)])
-def test_help_when_asked_for_then_it_has_examples(args: tuple[str, ...]) -> None:
-    run = ladder(*args)
+def test_help_when_asked_for_then_it_has_examples(inside: Inside, args: tuple[str, ...]) -> None:
+    run = inside(*args)
     assert (run.returncode, run.stderr) == (0, '')
     assert 'examples:\n  ladder ' in run.stdout
 
 
-def test_json_when_before_the_verb_then_it_holds_too(folder: Path) -> None:
-    assert json.loads(ladder('--json', 'check', 'seal_in.xml', cwd=folder).stdout)['ok'] is True
+def test_json_when_before_the_verb_then_it_holds_too(inside: Inside) -> None:
+    assert json.loads(inside('--json', 'check', 'seal_in.xml').stdout)['ok'] is True
 
 
-def test_check_when_there_are_warnings_then_only_strict_minds_them(folder: Path) -> None:
-    run = ladder('check', 'two_coils.xml', cwd=folder)
-    strict = ladder('check', 'two_coils.xml', '--strict', cwd=folder)
+def test_check_when_there_are_warnings_then_only_strict_minds_them(inside: Inside) -> None:
+    run = inside('check', 'two_coils.xml')
+    strict = inside('check', 'two_coils.xml', '--strict')
     assert (run.returncode, strict.returncode) == (0, 1)
     assert 'warning L0212' in run.stdout
     assert run.stdout.endswith('two_coils.xml: fine (1 warning)\n')
     assert strict.stdout.endswith('two_coils.xml: not fine (1 warning)\n')
 
 
-def test_check_when_the_drawing_is_wrong_then_all_of_it_is_reported(folder: Path) -> None:
-    run = ladder('check', 'dangling.xml', cwd=folder)
+def test_check_when_the_drawing_is_wrong_then_all_of_it_is_reported(inside: Inside) -> None:
+    run = inside('check', 'dangling.xml')
     assert run.returncode == 1
     assert run.stdout.count('error L0303') >= 2
     assert 'dangling.xml:' in run.stdout and 'rung 1, cell (0, 0)' in run.stdout
 
 
-def test_show_when_the_drawing_is_wrong_then_it_is_drawn_nevertheless(folder: Path) -> None:
-    run = ladder('show', 'dangling.xml', cwd=folder)
+def test_show_when_the_drawing_is_wrong_then_it_is_drawn_nevertheless(inside: Inside) -> None:
+    run = inside('show', 'dangling.xml')
     assert run.returncode == 0
     assert '×' in run.stdout and 'connected to nothing' in run.stdout
 
@@ -145,28 +159,28 @@ def test_show_when_the_terminal_has_no_box_characters_then_ascii_is_used(folder:
     assert '|--|/|--' in run.stdout or '--|/|--' in run.stdout
 
 
-def test_show_when_one_pou_is_asked_for_then_only_that_is_drawn(folder: Path) -> None:
-    run = ladder('show', 'seal_in.xml', '--pou', 'MAIN', '--grid', cwd=folder)
+def test_show_when_one_pou_is_asked_for_then_only_that_is_drawn(inside: Inside) -> None:
+    run = inside('show', 'seal_in.xml', '--pou', 'MAIN', '--grid')
     assert run.stdout.startswith('body main')
 
 
 @pytest.mark.parametrize('args', [('show',), ('dump', '--stage', 'wiring')])
-def test_pou_when_unknown_then_it_is_a_diagnostic(folder: Path, args: tuple[str, ...]) -> None:
-    run = ladder(*args, 'seal_in.xml', '--pou', 'mian', cwd=folder)
+def test_pou_when_unknown_then_it_is_a_diagnostic(inside: Inside, args: tuple[str, ...]) -> None:
+    run = inside(*args, 'seal_in.xml', '--pou', 'mian')
     assert run.returncode == 1
     assert 'error L0' in run.stderr and 'mian' in run.stderr
 
 
-def test_dump_when_each_stage_is_asked_for_then_each_prints_something(folder: Path) -> None:
-    texts = {stage: ladder('dump', 'seal_in.xml', '--stage', stage, cwd=folder).stdout
+def test_dump_when_each_stage_is_asked_for_then_each_prints_something(inside: Inside) -> None:
+    texts = {stage: inside('dump', 'seal_in.xml', '--stage', stage).stdout
              for stage in session.STAGES}
     assert len(set(texts.values())) == len(texts)
     assert all('motor' in text for text in texts.values())
 
 
-def test_export_when_done_twice_then_nothing_changes(folder: Path) -> None:
-    once = ladder('export', 'seal_in.xml', '--to', 'xml', '-o', 'once.xml', cwd=folder)
-    twice = ladder('export', 'once.xml', '--to', 'xml', cwd=folder)
+def test_export_when_done_twice_then_nothing_changes(folder: Path, inside: Inside) -> None:
+    once = inside('export', 'seal_in.xml', '--to', 'xml', '-o', 'once.xml')
+    twice = inside('export', 'once.xml', '--to', 'xml')
     assert (once.returncode, once.stdout, twice.returncode) == (0, '', 0)
     assert twice.stdout == (folder / 'once.xml').read_text(encoding='utf-8')
 
@@ -176,33 +190,37 @@ def test_export_when_the_terminal_is_ascii_then_the_xml_is_still_utf_8(folder: P
     assert 'läuft'.encode() in run.stdout.encode('latin-1')
 
 
-def test_simulate_when_given_inputs_then_there_is_a_row_a_scan(folder: Path) -> None:
-    run = ladder('simulate', 'seal_in.xml', '--inputs', 'in.csv', '--interval', '10ms',
-                 '--watch', 'motor,ran,t1.Q', cwd=folder)
+def test_simulate_when_given_inputs_then_there_is_a_row_a_scan(inside: Inside) -> None:
+    run = inside('simulate', 'seal_in.xml', '--inputs', 'in.csv', '--interval', '10ms',
+                 '--watch', 'motor,ran,t1.Q')
     assert list(csv.reader(io.StringIO(run.stdout))) == [
         ['motor', 'ran', 't1.Q'], ['1', '0', '0'], ['1', '10', '0'], ['1', '20', '0'],
         ['0', '0', '0']]
 
 
-def test_simulate_when_more_scans_than_rows_then_the_last_inputs_hold(folder: Path) -> None:
+def test_simulate_when_more_scans_than_rows_then_the_last_inputs_hold(
+    folder: Path, inside: Inside
+) -> None:
     (folder / 'in.csv').write_text('start\n1\n')
-    run = ladder('simulate', 'seal_in.xml', '--inputs', 'in.csv', '--scans', '5', '--interval',
-                 '10ms', '--watch', 't1.q', cwd=folder)
+    run = inside('simulate', 'seal_in.xml', '--inputs', 'in.csv', '--scans', '5', '--interval',
+                 '10ms', '--watch', 't1.q')
     assert run.stdout.split() == ['t1.Q', '0', '0', '0', '1', '1']
 
 
 @pytest.mark.parametrize('backend', session.BACKENDS)
-def test_simulate_when_written_to_a_file_then_backends_agree(folder: Path, backend: str) -> None:
-    run = ladder('simulate', 'seal_in.xml', '--inputs', 'in.csv', '--backend', backend, '-o',
-                 'out.csv', cwd=folder)
-    plain = ladder('simulate', 'seal_in.xml', '--inputs', 'in.csv', cwd=folder)
+def test_simulate_when_written_to_a_file_then_backends_agree(
+    folder: Path, inside: Inside, backend: str
+) -> None:
+    run = inside('simulate', 'seal_in.xml', '--inputs', 'in.csv', '--backend', backend, '-o',
+                 'out.csv')
+    plain = inside('simulate', 'seal_in.xml', '--inputs', 'in.csv')
     assert (run.returncode, run.stdout) == (0, '')
     assert (folder / 'out.csv').read_bytes().decode() == plain.stdout
 
 
-def test_simulate_when_json_is_asked_for_then_rows_are_in_the_document(folder: Path) -> None:
-    run = ladder('simulate', 'seal_in.xml', '--inputs', 'in.csv', '--watch', 'motor,ran',
-                 '--interval', '10ms', '--json', cwd=folder)
+def test_simulate_when_json_is_asked_for_then_rows_are_in_the_document(inside: Inside) -> None:
+    run = inside('simulate', 'seal_in.xml', '--inputs', 'in.csv', '--watch', 'motor,ran',
+                 '--interval', '10ms', '--json')
     document = json.loads(run.stdout)
     assert document['columns'] == ['motor', 'ran']
     assert document['rows'] == [['1', '0'], ['1', '10'], ['1', '20'], ['0', '0']]
@@ -213,10 +231,10 @@ def test_simulate_when_json_is_asked_for_then_rows_are_in_the_document(folder: P
     (('--inputs', 'bad.csv'), 'L0503'), (('--interval', '0ms'), 'L0505'),
     (('--interval', 'soon'), 'L0505'), (('-o', 'no/such/folder.csv'), 'L0507')])
 def test_simulate_when_asked_for_the_impossible_then_a_diagnostic_says_why(
-    folder: Path, args: tuple[str, ...], code: str
+    folder: Path, inside: Inside, args: tuple[str, ...], code: str
 ) -> None:
     (folder / 'bad.csv').write_text('start\nmaybe\n')
-    run = ladder('simulate', 'seal_in.xml', *args, cwd=folder)
+    run = inside('simulate', 'seal_in.xml', *args)
     assert run.returncode == 1
     assert f'error {code}' in run.stderr
 

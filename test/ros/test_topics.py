@@ -253,7 +253,8 @@ def test_simulated_time_when_the_clock_steps_then_scans_and_timers_step_with_it(
 
     running = plc(program(
         {'on': 'local BOOL TRUE', 'done': 'output BOOL'},
-        block(1, 'TON', {'PT': 'T#1s'}, {}, instance='t1', coil='done')), use_sim_time=True)
+        block(1, 'TON', {'PT': 'T#1s'}, {}, instance='t1', coil='done')), use_sim_time=True,
+        status_period=0.1)
     done = running.client.listen(f'{running.namespace}/plc_node/done', Bool, latched=True)
     clock = running.client.publisher('/clock', Clock)
 

@@ -1,0 +1,149 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Problems that no command gives: each made by what raises it, from the files of its page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+import threading
+from typing import Any
+
+from runtime.handmade import executable, Variables
+import yaml
+
+from ladder_ros.compiler.il_text import parse_il
+from ladder_ros.compiler.symbols import Resolved
+from ladder_ros.compiler.wiring import End, Net, Part, Wiring
+from ladder_ros.compiler.wiring_to_aov import build_aov
+from ladder_ros.diagnostics import LadderError, render
+from ladder_ros.model.component import Contact, Placement
+from ladder_ros.model.program import Rung
+from ladder_ros.runtime.simulation import Simulation
+from ladder_ros.session import compile_file, export, Session
+
+
+def _error_of(action: Callable[[], object]) -> str:
+    try:
+        action()
+    except LadderError as error:
+        return str(error)
+    raise AssertionError('nothing was raised')
+
+
+def power_loop(_folder: Path) -> str:
+    """Give two contacts each other's power."""
+    contacts = [
+        Contact(id=name, placement=Placement(x=x, y=0), operand=name)
+        for x, name in enumerate(('c1', 'c2'))]
+    nets = tuple(Net(index=index, x=index, first=0, last=0) for index in (0, 1))
+    parts = tuple(
+        Part(component=contact, left=(End(pin='', net=index),),
+             right=(End(pin='', net=1 - index),))
+        for index, contact in enumerate(contacts))
+    rung = Rung(id='1', width=2, components=tuple(contacts))
+    wiring = Wiring(rung=rung, nets=nets, parts=parts, lines=())
+    return render(build_aov(wiring, dict.fromkeys(('c1', 'c2'), Resolved()))[1])
+
+
+def bad_instruction_list(folder: Path) -> str:
+    """Read an instruction list."""
+    text = (folder / 'program.il').read_text(encoding='utf-8')
+    return _error_of(lambda: parse_il(text, 'program.il'))
+
+
+def fault(_folder: Path) -> str:
+    """Simulate an executable whose body raises."""
+    def fail(variables: Variables, now: int) -> None:
+        raise RuntimeError('a broken body')
+
+    broken = executable('n:INT:output', {'main': fail})
+    simulation = Simulation(
+        executable=broken, slots=broken.slots, scans=1, interval_ns=1_000_000, inputs=None)
+    return _error_of(lambda: list(simulation))
+
+
+def wrong_state(folder: Path) -> str:
+    """Reset a program that runs."""
+    with Session() as session:
+        session.open(folder / 'program.xml')
+        session.start()
+        return _error_of(session.reset)
+
+
+def unknown_form(folder: Path) -> str:
+    """Write a program in a form that does not exist."""
+    return _error_of(lambda: export(folder / 'program.xml', 'pdf')).replace(f'{folder}/', '')
+
+
+# -- the node -------------------------------------------------------------------------------------
+
+def overrides(folder: Path) -> dict[str, Any]:
+    """Return the parameters of the page's YAML file as the client library hands them over."""
+    document = yaml.safe_load((folder / 'cell.yaml').read_text(encoding='utf-8'))
+    flat: dict[str, Any] = {}
+
+    def flatten(prefix: str, values: Mapping[str, Any]) -> None:
+        for name, value in values.items():
+            if isinstance(value, dict):
+                flatten(f'{prefix}{name}.', value)
+            else:
+                flat[prefix + name] = value
+
+    flatten('', document['plc_node']['ros__parameters'])
+    return flat
+
+
+def unknown_parameter(folder: Path) -> str:
+    """Read the parameters."""
+    from ladder_ros.ros.parameters import read_settings
+    return render(read_settings(overrides(folder))[1])
+
+
+def dropped_variable(folder: Path) -> str:
+    """Resolve the I/O map for the program without its variable motor."""
+    from ladder_ros.ros.io_map import resolve_io
+    from ladder_ros.ros.parameters import read_settings
+    compiled = compile_file(folder / 'program.xml').executable
+    slots = tuple(slot for slot in compiled.slots if slot.path != 'motor')
+    changed = replace(compiled, slots=slots, by_path={s.path.casefold(): s for s in slots})
+    entries = read_settings(overrides(folder))[0].io
+    return render(resolve_io(changed, entries, lambda topic: topic, strict=False).warnings)
+
+
+def busy_compiler(folder: Path) -> str:
+    """Reload while a node is still compiling."""
+    import rclpy
+
+    from ladder_ros.ros.parameters import read_settings
+    from ladder_ros.ros.plc import Plc
+    context = rclpy.Context()
+    rclpy.init(context=context)
+    node = rclpy.create_node('plc_node', context=context)
+    compiled = threading.Event()
+    settings = read_settings({'program': str(folder / 'program.xml'), 'autostart': False})[0]
+    plc = Plc(node, settings)
+    try:
+        plc.open()
+        plc._worker = threading.Thread(target=compiled.wait)
+        plc._worker.start()
+        return _error_of(plc.reload).replace(f'{folder}/', '')
+    finally:
+        compiled.set()
+        plc.close()
+        node.destroy_node()
+        rclpy.shutdown(context=context)
+
+
+MAKERS: Mapping[str, Callable[[Path], str]] = {
+    'L0313': power_loop,
+    'L0402': bad_instruction_list,
+    'L0506': fault,
+    'L0508': wrong_state,
+    'L0510': unknown_form,
+    'L0606': unknown_parameter,
+    'L0609': dropped_variable,
+    'L0610': busy_compiler,
+}
+"""By the problem's code: what gives the text of the page, from the folder with its files."""
