@@ -90,7 +90,6 @@ _NAMES = (
     _error('L0221', 'pin {pin} of {name} is connected twice', 'keep one of the connections'),
     _warning('L0222', 'the instance {name} is called more than once',
              'it keeps one state for all its calls; give each call an instance of its own'),
-    _error('L0223', 'a composite may not have a component of this kind: {what}', '{reason}'),
 )
 
 _DRAWING = (

@@ -9,7 +9,7 @@ saved results (the *memory* of MPS).  Each network starts with both empty and en
 LD LDN x                     push x, or its negation
 AND ANDN OR ORN x            combine the current result with x
 LDP ANDP ORP x, m            as LD AND OR with the rising edge of x; m holds the last x
-LDF ANDF ORF x, m            the same with the falling edge
+LDF ANDF ORF x, m            the same with the falling edge; m holds the last NOT x
 ANB ORB                      pop a result and combine it with the one below
 MPS                          save the current result in the memory
 MRD MPP                      current result := the saved one; MPP removes it from the memory

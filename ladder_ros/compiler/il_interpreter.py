@@ -127,9 +127,7 @@ class _Machine:
         suffix = _CONTACTS[instruction.op]
         if suffix in ('P', 'F'):
             assert instruction.memory is not None
-            before = bool(self.read(instruction.memory))
-            self.write(instruction.memory, value)
-            value = value and not before if suffix == 'P' else before and not value
+            value = self._edge(instruction.memory, value, suffix)
         elif suffix == 'N':
             value = not value
         base = instruction.op.value[:2]
@@ -139,6 +137,13 @@ class _Machine:
             self.stack[-1] = self.stack[-1] and value
         else:
             self.stack[-1] = self.stack[-1] or value
+
+    def _edge(self, memory: Ref, signal: bool, suffix: str) -> bool:
+        """Detect an edge as R_TRIG and F_TRIG do, whose memory starts FALSE."""
+        level = signal if suffix == 'P' else not signal
+        before = bool(self.read(memory))
+        self.write(memory, level)
+        return level and not before
 
     def _coil(self, instruction: Instruction) -> None:
         op, operand, power = instruction.op, instruction.operand, self.stack[-1]
@@ -152,9 +157,7 @@ class _Machine:
                 self.write(operand, op is Op.S)
         elif op is Op.STP or op is Op.STF:
             assert instruction.memory is not None
-            before = bool(self.read(instruction.memory))
-            self.write(instruction.memory, power)
-            self.write(operand, power and not before if op is Op.STP else before and not power)
+            self.write(operand, self._edge(instruction.memory, power, op.value[2]))
         else:
             raise InternalError('il_interpreter', f'no operator {op}')
 

@@ -298,13 +298,16 @@ class _Emitter:
                 self.stack[-1], value, 'and' if base == 'AN' else 'or')
 
     def _edge(self, instruction: Instruction, now: str, mode: str) -> _Value:
-        """Detect an edge at once: it must be seen in every scan, whatever power does."""
+        """Detect an edge at once: it must be seen in every scan, whatever power does.
+
+        As in R_TRIG and F_TRIG the memory starts FALSE and holds the signal, or its negation.
+        """
         assert instruction.memory is not None
         memory = self._read(instruction.memory).text
         name = self._fresh()
-        self.lines.append(f'{name} = {now} and not {memory}' if mode == 'P'
-                          else f'{name} = {memory} and not {now}')
-        self._write(instruction.memory, now)
+        level = now if mode == 'P' else f'not {now}'
+        self.lines.append(f'{name} = {level} and not {memory}')
+        self._write(instruction.memory, level)
         return _Value(text=name)
 
     def _coil(self, instruction: Instruction, is_last: bool) -> None:

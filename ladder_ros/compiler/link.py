@@ -82,6 +82,10 @@ def _place(network: Network, frame: _Pending) -> Network:
     def operand(old: Operand) -> Operand:
         if isinstance(old, Ref) and old.path.startswith('%T'):
             return old
+        if isinstance(old, Ref) and old.path.startswith('%') and not frame.prefix:
+            # Bodies share the program's names, but not what the compiler adds for their rungs.
+            kind, _, rest = old.path.partition('.')
+            return Ref(path=f'{kind}.{frame.name}.{rest}', type=old.type)
         return substitute(old, frame.prefix, frame.bindings)
 
     def ref(old: Ref) -> Ref:
@@ -166,7 +170,7 @@ class _Layout:
         if instruction.memory is not None:
             # An edge of another variable is another memory: it must not survive an online change.
             self.add(instruction.memory.path, DataType.BOOL, SlotClass.EDGE, False,
-                     f'edge of {instruction.operand}'.casefold())
+                     f'{instruction.op.value[-1]} edge of {instruction.operand}'.casefold())
         call = instruction.call
         if call is None:
             return
