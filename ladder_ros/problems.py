@@ -60,6 +60,8 @@ _FILES = (
            'keep one of them'),
     _error('L0113', '<{element}> stands in the wrong place in <{parent}>',
            'the order in it is: {order}'),
+    _error('L0130', 'the task {name} never runs',
+           'give it an interval, such as T#10ms, or the variable whose rising edge runs it: single'),
 )
 
 _NAMES = (
@@ -133,6 +135,15 @@ _RUNNING = (
     _error('L0508', '{request} is not possible now: the controller is {state}', '{expected}'),
     _error('L0509', 'the program has no body or composite {name}', 'it has {known}'),
     _error('L0510', 'programs cannot be written as {form}', 'available here: {known}'),
+    _error('L0520', '{request} is not possible: {reason}', '{expected}'),
+    _error('L0521', 'the program was not compiled: {reason}', '{expected}'),
+    _warning('L0522', '{name} was nowhere: the running program has no {places}',
+             'correct was="..." or remove it; {name} starts with its initial value'),
+    _error('L0523', 'the retained values cannot be read: {reason}', '{expected}'),
+    _error('L0524', 'the retained values cannot be saved: {reason}', '{expected}'),
+    _error('L0525', 'the task {name} took {took}, its watchdog allows {limit}',
+           'make what it runs shorter, or raise its watchdog or sensitivity'),
+    _error('L0526', 'the recording cannot be used: {reason}', '{expected}'),
 )
 
 _ROS = (

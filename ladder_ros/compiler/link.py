@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.aov import Aov
+from ladder_ros.compiler.history import earlier_paths
 from ladder_ros.compiler.il import (
     active_flag,
     Call,
@@ -123,7 +124,11 @@ def lay_out(program: Program, symbols: Symbols, code: InstructionList) -> tuple[
     for routine in code.routines:
         for instruction in routine.instructions():
             layout.add_instruction(instruction)
-    return tuple(layout.slots.values())
+    slots = tuple(layout.slots.values())
+    history = earlier_paths(program)
+    if history is None:
+        return slots
+    return tuple(replace(slot, was=history.of(slot.path)) for slot in slots)
 
 
 def _io_class(variable: Variable) -> SlotClass:
@@ -151,13 +156,14 @@ class _Layout:
 
     def add(
         self, path: str, type_: DataType, slot_class: SlotClass, initial: Value,
-        identity: str = '',
+        identity: str = '', quiet: Value | None = None, senses: str = '', negated: bool = False,
     ) -> None:
         key = path.casefold()
         if key not in self.slots:
             self.slots[key] = Slot(
                 index=len(self.slots), path=path, type=type_, slot_class=slot_class,
-                initial=initial, identity=identity or type_.value)
+                initial=initial, identity=identity or type_.value, quiet=quiet, senses=senses,
+                negated=negated)
 
     def add_variable(self, prefix: str, variable: Variable, slot_class: SlotClass) -> None:
         path = prefix + variable.name
@@ -169,20 +175,33 @@ class _Layout:
     def add_instruction(self, instruction: Instruction) -> None:
         if instruction.memory is not None:
             # An edge of another variable is another memory: it must not survive an online change.
-            self.add(instruction.memory.path, DataType.BOOL, SlotClass.EDGE, False,
-                     f'{instruction.op.value[-1]} edge of {instruction.operand}'.casefold())
+            # What a contact senses is a variable; a coil senses power, which nobody knows yet.
+            sensed = instruction.operand if instruction.op not in (Op.STP, Op.STF) else None
+            self.add(
+                instruction.memory.path, DataType.BOOL, SlotClass.EDGE, False,
+                f'{instruction.op.value[-1]} edge of {instruction.operand}'.casefold(), quiet=True,
+                senses=sensed.path if isinstance(sensed, Ref) else '',
+                negated=instruction.op.value[-1] == 'F')
         call = instruction.call
         if call is None:
             return
         for _, ref in call.outputs:
             self.add(ref.path, ref.type, SlotClass.SYSTEM, default_value(ref.type))
         if instruction.op is Op.EXE:
-            self.add(active_flag(call.instance).path, DataType.BOOL, SlotClass.SYSTEM, False)
+            self.add(active_flag(call.instance).path, DataType.BOOL, SlotClass.SYSTEM, False,
+                     quiet=True)  # state that was moved in is released if it is not executed
         elif instruction.op is Op.CAL:
             for pin in CATALOGUE[call.name].state:
                 assert isinstance(pin.type, DataType) and pin.default is not None
                 self.add(f'{call.instance}.{pin.name}', pin.type, SlotClass.BLOCK, pin.default,
-                         f'{call.name}.{pin.name}:{pin.type}')
+                         f'{call.name}.{pin.name}:{pin.type}',
+                         quiet=True if _is_edge_memory(call.name, pin.name) else None)
+
+
+def _is_edge_memory(block: str, pin: str) -> bool:
+    """Say whether a hidden variable is there to find edges: TRUE in it gives no pulse."""
+    return pin in ('%memory', '%previous_cu', '%previous_cd') or (
+        block == 'TP' and pin == '%previous')
 
 
 def list_components(

@@ -19,6 +19,7 @@ from ladder_ros.compiler.il_interpreter import interpret_il
 from ladder_ros.compiler.il_to_python import emit_python, load_python
 from ladder_ros.compiler.il_verify import verify_il
 from ladder_ros.compiler.inline_composites import expand_inline
+from ladder_ros.compiler.inventory import list_rungs, list_tasks
 from ladder_ros.compiler.link import lay_out, link_code, list_components
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
@@ -72,6 +73,7 @@ def compile_program(
     index = {path: slot.index for path, slot in by_path.items()}
     components = list_components(program, code, stages.graphs, by_path)
     component_index = {entry.path: entry.index for entry in components}
+    tasks = list_tasks(program, by_path)
 
     def build(variant: Variant) -> Mapping[str, Scan]:
         chosen = code
@@ -83,6 +85,7 @@ def compile_program(
         name=program.name, backend=backend, slots=slots, components=components,
         source_hash=source_hash, build=build,
         entries=tuple(_entry(program, body) for body in program.bodies), by_path=by_path,
+        tasks=tasks, rungs=list_rungs(program),
         routines=tuple(_routine_entry(routine, index) for routine in code.routines))
     return Compilation(
         executable=executable, diagnostics=stages.diagnostics + check_coils(code, components))
@@ -183,7 +186,7 @@ def _entry(program: Program, body: Body) -> Entry:
     task = tasks.get(body.task.casefold())
     return Entry(
         name=body.name, once=body.run is RunKind.ONCE, interval=task.interval if task else 0,
-        priority=task.priority if task else 0)
+        priority=task.priority if task else 0, task=task.name if task else '')
 
 
 def _routine_entry(routine: Routine, slots: Mapping[str, int]) -> RoutineEntry:

@@ -6,6 +6,10 @@ A component is the six-tuple <Name, ID, PI, RI, Property, Specification>.  Here 
 fields; Property is `placement`, `comment` and what the kind adds (operand, instance, arguments);
 PI and RI, the provided and required interfaces, follow from kind and placement and are computed by
 :func:`provided` and :func:`required`, so that they cannot disagree with the drawing.
+
+``was`` says where the state of a component was in earlier programs, so that an online change can
+move it: the paths of a variable or instance, or of an edge contact or coil as ``pou/rung/id``; in an
+instance also ``member=path`` for what was not together before.
 """
 
 from __future__ import annotations
@@ -104,6 +108,7 @@ class Contact:
     placement: Placement
     operand: str
     kind: ContactKind = ContactKind.NORMALLY_OPEN
+    was: tuple[str, ...] = ()
     name: str = ''
     comment: str = ''
     specification: str = ''
@@ -118,6 +123,7 @@ class Coil:
     placement: Placement
     operand: str
     kind: CoilKind = CoilKind.COIL
+    was: tuple[str, ...] = ()
     name: str = ''
     comment: str = ''
     specification: str = ''
@@ -161,6 +167,7 @@ class Block:
     instance: str = ''
     inputs: tuple[Argument, ...] = ()
     outputs: tuple[Argument, ...] = ()
+    was: tuple[str, ...] = ()
     name: str = ''
     comment: str = ''
     specification: str = ''
@@ -176,6 +183,7 @@ class Instance:
     composite: str
     instance: str
     arguments: tuple[Argument, ...] = ()
+    was: tuple[str, ...] = ()
     name: str = ''
     comment: str = ''
     specification: str = ''

@@ -1,0 +1,47 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Inventory: what the runtime tells about a program besides running it: its tasks and rungs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+import hashlib
+
+from ladder_ros.diagnostics import Diagnostic, LadderError, problem
+from ladder_ros.executable import RungEntry, Slot, TaskEntry
+from ladder_ros.model.program import Pou, Program
+from ladder_ros.model.types import DataType
+from ladder_ros.source.model_to_xml import rung_text
+
+
+def list_tasks(program: Program, slots: Mapping[str, Slot]) -> tuple[TaskEntry, ...]:
+    """Return the tasks (``slots`` by casefolded path).
+
+    Raises LadderError (L0203, L0204) if what runs a task is no BOOL variable.
+    """
+    wrong: list[Diagnostic] = []
+    tasks: list[TaskEntry] = []
+    for task in program.tasks:
+        slot = slots.get(task.single.casefold())
+        if task.single and (slot is None or '%' in task.single):
+            wrong.append(problem('L0203', task.location, f'single="{task.single}"',
+                                 name=task.single, hint=''))
+        elif slot is not None and slot.type is not DataType.BOOL:
+            wrong.append(problem('L0204', task.location, f'single="{task.single}"',
+                                 name=task.single, actual=slot.type, expected=DataType.BOOL))
+        tasks.append(TaskEntry(
+            name=task.name, interval=task.interval, priority=task.priority,
+            single=slot.path if slot is not None else '', watchdog=task.watchdog,
+            sensitivity=task.sensitivity))
+    if wrong:
+        raise LadderError(wrong)
+    return tuple(tasks)
+
+
+def list_rungs(program: Program) -> tuple[RungEntry, ...]:
+    """Return every rung as drawn, with a digest of its drawing."""
+    pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
+    return tuple(
+        RungEntry(pou=pou.name, rung=rung.id, digest=hashlib.blake2b(
+            rung_text(rung).encode('utf-8', 'surrogatepass'), digest_size=8).hexdigest())
+        for pou in pous for rung in pou.rungs)
