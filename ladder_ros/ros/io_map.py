@@ -14,8 +14,14 @@ import re
 
 from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError, Location, problem
 from ladder_ros.executable import Executable, Slot, SlotClass
-from ladder_ros.model.types import DataType, normalise, NS_PER_S, parse_literal, Value
-from ladder_ros.ros.conversions import Conversion, conversion, fitting_messages, message_name
+from ladder_ros.model.types import DataType, parse_literal, STRING_LIMIT, Value
+from ladder_ros.ros.conversions import (
+    Conversion,
+    conversion,
+    fitting_messages,
+    message_name,
+    Misfit,
+)
 from ladder_ros.ros.parameters import did_you_mean, IoEntry, parameter_place, Raw
 
 RESERVED_TOPICS = ('~/state', '~/change', '~/monitor', '/diagnostics')
@@ -263,12 +269,14 @@ def typed_value(raw: Raw, type_: DataType) -> Value:
     A text is read as a literal of IEC 61131-3 (or as it stands for a STRING); a number for a TIME
     is in seconds.
     """
-    if type_ is DataType.STRING:
-        if isinstance(raw, str):
-            return raw if len(raw) < 2 or raw[0] != "'" else parse_literal(raw, type_)
-        raise ValueError('write a text')
     if isinstance(raw, str):
-        return parse_literal(raw, type_)
+        if type_ is not DataType.STRING or raw[:1] == "'":
+            return parse_literal(raw, type_)
+        if len(raw) > STRING_LIMIT:
+            raise ValueError(f'a STRING has at most {STRING_LIMIT} characters')
+        return raw
+    if type_ is DataType.STRING:
+        raise ValueError('write a text')
     if type_ is DataType.BOOL:
         if isinstance(raw, bool) or raw in (0, 1):
             return bool(raw)
@@ -276,10 +284,15 @@ def typed_value(raw: Raw, type_: DataType) -> Value:
     if isinstance(raw, bool):
         raise ValueError('write a number')
     if type_ is DataType.TIME:
-        nanoseconds = round(raw * NS_PER_S)
-        return nanoseconds
+        seconds = conversion(type_, 'Float64').decode(raw)
+        if isinstance(seconds, Misfit):
+            raise ValueError('write seconds, or a duration such as T#1.5s')
+        return seconds
     if type_.is_real:
-        return normalise(float(raw), type_)
+        number = conversion(type_, 'Float64').decode(raw)
+        if isinstance(number, Misfit):
+            raise ValueError('the number is too large')
+        return number
     if isinstance(raw, float):
         raise ValueError('write a whole number')
     return parse_literal(str(raw), type_)

@@ -79,17 +79,17 @@ def _run(arguments: list[str], stop: threading.Event) -> int:
     from rclpy.signals import SignalHandlerOptions
     from rclpy.utilities import remove_ros_args
 
-    plain = remove_ros_args(arguments)[1:]
+    try:
+        plain = remove_ros_args(arguments)[1:]
+    except Exception as error:  # bad ROS arguments or parameter file
+        return _refuse(f'plc_node cannot start: {_sentence(error)}')
     if len(plain) > 1 or any(text.startswith('-') for text in plain):
         wrong = next((text for text in plain if text.startswith('-')), ' '.join(plain))
         return _refuse(f'plc_node does not understand {wrong!r}; try plc_node --help')
     try:
         rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
-    except Exception as error:  # bad ROS arguments or parameter file
-        return _refuse(f'plc_node cannot start: {_sentence(error)}')
-    try:
         node = rclpy.create_node('plc_node')
-    except Exception as error:
+    except Exception as error:  # a bad name, no middleware
         rclpy.try_shutdown()
         return _refuse(f'plc_node cannot start: {_sentence(error)}')
     try:

@@ -33,7 +33,10 @@ FOREIGN = ('use_sim_time', 'start_type_description_service', 'qos_overrides', 'd
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rule:
-    """What one parameter may be: its Python type, default, range or choices, and description."""
+    """What one parameter may be: its Python type, default, range or choices, and description.
+
+    ``least`` is the smallest number allowed but for 0, where 0 has a meaning of its own.
+    """
 
     name: str
     kind: type
@@ -41,6 +44,7 @@ class Rule:
     description: str
     low: float | None = None
     high: float | None = None
+    least: float = 0.0
     choices: tuple[str, ...] = ()
     read_only: bool = True
 
@@ -53,8 +57,9 @@ RULES: tuple[Rule, ...] = (
     Rule(name='program_folders', kind=list, default=[], description=(
         'The folders that programs may be loaded from while the node runs. Default: the folder of '
         'the first program and the installed example programs.')),
-    Rule(name='scan_period', kind=float, default=0.0, low=0.0, high=60.0, description=(
-        'Seconds between scans; 0: as the program says, or 0.01 where it says nothing.')),
+    Rule(name='scan_period', kind=float, default=0.0, low=0.0, least=0.0005, high=60.0,
+         description='Seconds between scans; 0: as the program says, or 0.01 where it says '
+                     'nothing.'),
     Rule(name='backend', kind=str, default='python', description=(
         'What executes the compiled program: python or interpreter.')),
     Rule(name='autostart', kind=bool, default=True, description=(
@@ -212,7 +217,8 @@ def _checked(name: str, value: Any, rule: Rule, found: list[Diagnostic]) -> Any:
     else:
         fits = type(value) is rule.kind
     if fits and rule.kind is float:
-        fits = math.isfinite(value) and (rule.low or 0.0) <= value <= (rule.high or math.inf)
+        fits = math.isfinite(value) and (rule.low or 0.0) <= value <= (rule.high or math.inf) \
+            and not 0.0 < value < rule.least
     if fits and rule.choices:
         fits = value in rule.choices
     if fits:
@@ -227,7 +233,8 @@ def _expectation(rule: Rule) -> str:
     if rule.choices:
         return f'write one of {", ".join(rule.choices)}'
     if rule.kind is float:
-        return f'write a number from {rule.low:g} to {rule.high:g}, for example 0.5'
+        zero, low = ('0, or ', rule.least) if rule.least else ('', rule.low)
+        return f'write {zero}a number from {low:g} to {rule.high:g}, for example 0.5'
     texts: dict[type, str] = {
         str: 'write a text; one that looks like a number needs quotation marks',
         bool: 'write true or false',

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+import gc
 from pathlib import Path
 import sys
 import threading
@@ -104,6 +105,10 @@ class Plc:
         declare(self._node, self._declarations(), _descriptor)
         self._node.add_on_set_parameters_callback(self._on_set)
         self._node.add_post_set_parameters_callback(self._on_post)
+        # A full collection holds up every thread, scans included, for 30 ms and more; nearly all
+        # that it would look at again and again are the modules, which are here to stay.
+        gc.collect()
+        gc.freeze()
         if first is not None and settings.autostart:
             self.start()
         self._status.publish()
@@ -246,6 +251,9 @@ class Plc:
         """Validate a change; compile a program, so that setting it cannot fail any more."""
         try:
             for parameter in parameters:
+                if parameter.name in ('program', 'forces') and parameter.value is None:
+                    return SetParametersResult(
+                        successful=False, reason=f'{parameter.name} cannot be removed')
                 if parameter.name == 'program':
                     path = next_program(parameter.value, self._folders, self._path)
                     self._prepared = self._prepare(path, strict=False)

@@ -12,11 +12,11 @@ from collections.abc import Callable
 from pathlib import Path
 import re
 
-from problems.makers import MAKERS
 import pytest
-from support.documents import compare, fences, links, ROOT, rewritten
+from support.documents import compare, fences, links, rewritten, ROOT
 
 from ladder_ros.problems import PROBLEMS, Severity
+from problems.makers import MAKERS
 
 PAGES = ROOT / 'docs' / 'problems'
 REPORTED = re.compile(r'\b(error|warning|hint) (L\d{4}): ')

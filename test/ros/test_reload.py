@@ -166,6 +166,15 @@ def test_program_parameter_when_outside_of_the_folders_then_it_is_refused(
     assert running.client.state()['state'] == 'running'
 
 
+@pytest.mark.parametrize('value', [None, 5, True, ['a.xml']])
+def test_program_parameter_when_it_is_no_text_then_it_is_refused_and_the_node_runs_on(
+        plc: Start, value: Any) -> None:
+    running = plc(COPY)
+    result = running.client.set_parameter('program', value)
+    assert not result.successful and result.reason
+    assert running.client.get_parameter('program') == str(running.file)
+
+
 def test_program_parameter_when_it_is_an_installed_example_then_it_is_found(plc: Start) -> None:
     running = plc(COPY)
     result = running.client.set_parameter(

@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Documents that are tests: what they show is what the commands in them print.
 
-In a page, a fenced block after a line that ends in ``\\`name\\`:`` is a file of that name. A
+In a page, a fenced block after a paragraph that names a file and ends in a colon is that file. A
 ``console`` block holds commands (``$ ladder ...``, ``$ python3 FILE``, ``$ cat FILE``, and
-``$ plc_node ...`` where it ends by itself) and what they print, standard output and error in one. ``rewritten`` puts the files into a folder, runs the
-commands there in the order of the page, and returns the page as it should be.
+``$ plc_node ...`` where it ends by itself) and what they print, standard output and error in one.
+``rewritten`` puts the files into a folder, runs the commands there in the order of the page, and
+returns the page as it should be.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from ladder_ros.cli.main import main
 
 ROOT = Path(__file__).resolve().parents[2]
 _FENCE = re.compile(r'^```([^\n`]*)\n(.*?)^```$', re.MULTILINE | re.DOTALL)
-_FILE_NAME = re.compile(r'`([^`\s]+)`[^`\n]*:\s*\Z')
+_FILE_NAME = re.compile(r'`([\w-]+\.\w+)`(?:[^`\n]|\n(?!\n))*:\s*\Z')
 _LINK = re.compile(r'\]\(([^()\s]+)\)')
 
 
@@ -110,10 +111,16 @@ def _run(command: str, folder: Path) -> str:
         assert name == 'python3', f'a page may not run {name}'
     done = subprocess.run(
         [sys.executable, *arguments], cwd=folder, text=True, timeout=60,
-        env={**os.environ, 'PYTHONPATH': str(ROOT)},
+        env=with_package(),
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     assert done.returncode == (1 if name == 'plc_node' else 0), done.stdout
     return done.stdout
+
+
+def with_package() -> dict[str, str]:
+    """Return the environment for a process elsewhere that imports the package under test."""
+    path = filter(None, (str(ROOT), os.environ.get('PYTHONPATH')))  # ROS 2 itself may be there
+    return {**os.environ, 'PYTHONPATH': os.pathsep.join(path)}
 
 
 def _run_ladder(arguments: list[str], folder: Path) -> str:

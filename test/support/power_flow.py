@@ -18,7 +18,6 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 import heapq
 import re
-from typing import Union
 
 from ladder_ros.blocks import FUNCTION_BLOCKS, FUNCTIONS, RELEASE
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE, Generic
@@ -42,11 +41,11 @@ ARITHMETIC_ERRORS = '%arithmetic_errors'
 Point = tuple[int, int]
 """(grid line, row)."""
 
-Symbol = Union[Contact, Coil, Block, Instance]
+Symbol = Contact | Coil | Block | Instance
 """A component that does something."""
 
 
-# -- geometry --------------------------------------------------------------------------------------
+# -- geometry ------------------------------------------------------------------------------------
 
 class Nets:
     """Points and half-edges that are connected by vertical lines (a union-find)."""
@@ -253,11 +252,11 @@ def _kahn(symbols: Mapping[str, Symbol], before: Mapping[str, set[str]]) -> tupl
     return tuple(order)
 
 
-# -- names -----------------------------------------------------------------------------------------
+# -- names ---------------------------------------------------------------------------------------
 
 _NAME = re.compile(r'[A-Za-z_]\w*(\.\w+)*$')
 
-Bound = Union[str, tuple[Value]]
+Bound = str | tuple[Value]
 """What a name stands for: a path of the state, or a value that cannot be written."""
 
 
@@ -267,7 +266,7 @@ def _is_name(text: str) -> bool:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Frame:
-    """Where a body runs: ``prefix`` of its variables' paths, ``place`` of its components' paths."""
+    """Where a body runs: ``prefix`` of its variables' paths, ``place`` of its components'."""
 
     pou: Pou
     prefix: str
@@ -284,8 +283,9 @@ class Frame:
 class Reference:
     """A program with its state.
 
-    ``values`` maps casefolded dotted paths to values; ``power`` maps components' paths to the power
-    that left them in the last run (only those evaluated); what is in ``forced`` is never written.
+    ``values`` maps casefolded dotted paths to values; ``power`` maps components' paths to the
+    power that left them in the last run (only those evaluated); what is in ``forced`` is never
+    written.
     """
 
     def __init__(self, program: Program) -> None:

@@ -48,6 +48,7 @@ from ladder_ros.model.program import (
     VariableClass,
 )
 from ladder_ros.model.types import DataType, NS_PER_MS, Value
+from support.power_flow import analyse, Port
 
 T = TypeVar('T')
 
@@ -92,9 +93,21 @@ class Wishes:
     max_width: int = 7
 
 
+def lines_alone_join_the_rails(rung: Rung) -> bool:
+    """Say whether there is a short circuit, which is no drawing."""
+    drawing = analyse(rung)
+    seen, waiting = {drawing.right_rail}, [drawing.right_rail]
+    while waiting:
+        for source in drawing.sources.get(waiting.pop(), ()):
+            if not isinstance(source, Port) and source not in seen:
+                seen.add(source)
+                waiting.append(source)
+    return drawing.left_rail in seen
+
+
 @dataclass(slots=True, kw_only=True)
 class Names:
-    """The names that a POU may use, by type; ``writable`` are those of them that can be written."""
+    """The names that a POU may use, by type; ``writable`` are those that can be written."""
 
     readable: dict[DataType, list[str]]
     writable: dict[DataType, list[str]]
@@ -204,6 +217,12 @@ class Maker:
             found.append((pin.name, type_))
         return found
 
+    def input_type(self, block: Block, name: str) -> DataType:
+        """Return the type of an input pin of a block."""
+        pin = CATALOGUE[block.type].input(name)
+        assert pin is not None
+        return pin.type if isinstance(pin.type, DataType) else self.function_type[block.id]
+
     function_type: dict[str, DataType]
 
     def function(self, id: str, place: Placement, earlier: Sequence[Block]) -> Component:
@@ -255,13 +274,13 @@ class Maker:
     ) -> Component:
         """Make something for a cell; at the right rail mostly something that ends a rung."""
         dice = self.rng.randrange(100)
-        if at_rail and dice < 75 or dice >= 92:
+        if (at_rail and dice < 62) or dice >= 92:
             return self.coil(id, place)
         if self.wishes.composites and dice >= 84:
             return self.instance(id, place)
         if self.wishes.blocks and dice >= 66:
             return self.block(id, place, earlier)
-        if dice >= 60:
+        if 60 <= dice < 66:
             return Row(id=id, placement=place)
         return self.contact(id, place)
 
@@ -271,7 +290,10 @@ class Maker:
         """Make one rung."""
         self.function_type = {}
         plan = Plan(self)
-        return Rung(id=id, width=plan.width, components=plan.components())
+        rung = Rung(id=id, width=plan.width, components=plan.components())
+        if lines_alone_join_the_rails(rung):
+            raise Impossible
+        return rung
 
 
 @dataclass(frozen=True, slots=True)
@@ -432,8 +454,8 @@ class Plan:
         for cell in sorted(self.cells, key=lambda c: (c.left, c.row)):
             place = Placement(
                 x=cell.left, y=cell.row, width=cell.right - cell.left,
-                height=2 if cell.tall else 1, up=_side(sides.get((cell, 'up'), set())),
-                down=_side(sides.get((cell, 'down'), set())))
+                height=2 if cell.tall else 1, up=side_of(sides.get((cell, 'up'), set())),
+                down=side_of(sides.get((cell, 'down'), set())))
             earlier = [b for b in blocks if b.placement.x + b.placement.width <= cell.left]
             id = f'c{cell.row}_{cell.left}'
             if cell.tall:
@@ -448,7 +470,29 @@ class Plan:
             made.append(component)
         made += [Column(id=f'v{x}_{row}', placement=Placement(x=x, y=row, width=0))
                  for x, row in columns]
+        if self.maker.chance(30):
+            made = self.with_loop(made)
+        if not self.tall and self.maker.chance(30):
+            made = [_upside_down(component, self.rows) for component in made]
         return tuple(self.maker.rng.sample(made, len(made)))
+
+    def with_loop(self, made: list[Component]) -> list[Component]:
+        """Let a block read the output of any function block: this may close a loop."""
+        blocks = [c for c in made if isinstance(c, Block)]
+        if any(argument.source for block in blocks for argument in block.inputs):
+            return made  # one such connection: which of several is cut, nobody says
+        choices = [
+            (block, index, f'{source.id}.{pin}')
+            for block in blocks for index, argument in enumerate(block.inputs)
+            for source in blocks if source.instance
+            for pin, type_ in self.maker.data_outputs(source)
+            if argument.operand and type_ is self.maker.input_type(block, argument.pin)]
+        if not choices:
+            return made
+        block, index, source_ = self.maker.pick(choices)
+        inputs = list(block.inputs)
+        inputs[index] = Argument(pin=inputs[index].pin, source=source_)
+        return [replace(c, inputs=tuple(inputs)) if c is block else c for c in made]
 
     def sides(self, sides: dict[tuple[Cell, str], set[str]]) -> list[tuple[int, int]]:
         """Say which sides make the vertical lines; return the columns' (line, row)."""
@@ -476,15 +520,22 @@ class Plan:
         return columns
 
 
-def _side(ends: set[str]) -> Side:
+def side_of(ends: set[str]) -> Side:
     return Side.BOTH if len(ends) == 2 else Side(next(iter(ends), 'none'))
+
+
+def _upside_down(component: Component, rows: int) -> Component:
+    """Return a component of one row's height in the mirrored drawing: power then flows up."""
+    place = component.placement
+    return replace(component, placement=replace(
+        place, y=rows - 1 - place.y, up=place.down, down=place.up))
 
 
 class Impossible(Exception):
     """A drawing that was begun cannot be completed; another one is tried."""
 
 
-# -- whole programs --------------------------------------------------------------------------------
+# -- whole programs ------------------------------------------------------------------------------
 
 def _rungs(rng: Random, names: Names, wishes: Wishes, limit: int) -> tuple[Rung, ...]:
     """Make some rungs of one POU."""
@@ -547,7 +598,7 @@ def random_case(rng: Random, wishes: Wishes | None = None) -> Case:
     names = Names(readable={}, writable={}, composites=composites)
     for type_, count in POOL.items():
         for index in range(count):
-            is_input = index < 2 and type_ is BOOL or index == 0 and type_ in (INT, TIME)
+            is_input = (index < 2) if type_ is BOOL else (index == 0 and type_ in (INT, TIME))
             name = f'{type_.value.lower()}_{index}'
             variables.append(Variable(
                 name=name, type=type_, initial=VALUES[type_][rng.randrange(2)],
@@ -585,109 +636,3 @@ def _history(
 def cases(wishes: Wishes | None = None) -> st.SearchStrategy[Case]:
     """Generate programs with a history."""
     return st.randoms(use_true_random=False).map(lambda rng: random_case(rng, wishes))
-
-
-# -- series-parallel drawings ----------------------------------------------------------------------
-
-@dataclass(frozen=True, slots=True)
-class Circuit:
-    """Contacts in series or parallel: ``kind`` is contact, series or parallel."""
-
-    kind: str
-    parts: tuple[Circuit, ...] = ()
-    operand: str = ''
-
-    @property
-    def width(self) -> int:
-        """Columns that the circuit needs."""
-        widths = [part.width for part in self.parts]
-        return 1 if self.kind == 'contact' else sum(widths) if self.kind == 'series' \
-            else max(widths)
-
-    @property
-    def height(self) -> int:
-        """Rows that the circuit needs."""
-        heights = [part.height for part in self.parts]
-        return 1 if self.kind == 'contact' else max(heights) if self.kind == 'series' \
-            else sum(heights)
-
-
-def random_circuit(rng: Random, depth: int, operands: Sequence[str], kind: str = '') -> Circuit:
-    """Make a circuit in which series and parallel alternate."""
-    kind = kind or ('series', 'parallel', 'contact')[rng.randrange(3)]
-    if depth == 0 or kind == 'contact':
-        return Circuit('contact', operand=operands[rng.randrange(len(operands))])
-    parts = []
-    for _ in range(2 + rng.randrange(3)):
-        inner = 'contact' if rng.randrange(2) else \
-            'parallel' if kind == 'series' else 'series'
-        parts.append(random_circuit(rng, depth - 1, operands, inner))
-    return Circuit(kind, tuple(parts))
-
-
-class CircuitDrawing:
-    """Draws a circuit and a coil behind it."""
-
-    def __init__(self, circuit: Circuit, coil: str) -> None:
-        self._ends: dict[tuple[int, int], list[Component]] = {}
-        self._made: dict[str, Component] = {}
-        self._lines: list[tuple[int, int, int]] = []
-        self._draw(circuit, 0, 0, circuit.width)
-        self.width = circuit.width + 1
-        self._add(Coil(id='k', placement=Placement(x=circuit.width, y=0), operand=coil))
-
-    def rung(self, id: str = '1') -> Rung:
-        """Return the drawing as a rung."""
-        sides: dict[str, dict[str, set[str]]] = {}
-        columns: set[tuple[int, int]] = set()
-        for x, first, last in self._lines:
-            for row in range(first, last + 1):
-                component = next((
-                    c for c in self._made.values()
-                    if c.placement.y == row and x in (c.placement.x, _right(c))), None)
-                if component is None:
-                    columns.add((x, row))
-                    continue
-                end = 'left' if component.placement.x == x else 'right'
-                of = sides.setdefault(component.id, {'up': set(), 'down': set()})
-                if row > first:
-                    of['up'].add(end)
-                if row < last:
-                    of['down'].add(end)
-        made: list[Component] = []
-        for component in self._made.values():
-            of = sides.get(component.id, {'up': set(), 'down': set()})
-            place = replace(component.placement, up=_side(of['up']), down=_side(of['down']))
-            made.append(replace(component, placement=place))
-        made += [Column(id=f'v{x}_{row}', placement=Placement(x=x, y=row, width=0))
-                 for x, row in sorted(columns)]
-        return Rung(id=id, width=self.width, components=tuple(made))
-
-    def _add(self, component: Component) -> None:
-        self._made[component.id] = component
-
-    def _draw(self, circuit: Circuit, x: int, y: int, width: int) -> None:
-        """Draw a circuit in a box; it fills the width."""
-        if circuit.kind == 'contact':
-            self._add(Contact(
-                id=f'c{x}_{y}', placement=Placement(x=x, y=y), operand=circuit.operand))
-            if width > 1:
-                self._add(Row(
-                    id=f'r{x + 1}_{y}', placement=Placement(x=x + 1, y=y, width=width - 1)))
-        elif circuit.kind == 'series':
-            for part in circuit.parts[:-1]:
-                self._draw(part, x, y, part.width)
-                x, width = x + part.width, width - part.width
-            self._draw(circuit.parts[-1], x, y, width)
-        else:
-            first = y
-            for part in circuit.parts:
-                self._draw(part, x, y, width)
-                last, y = y, y + part.height
-            for line in (x, x + width):
-                if line:
-                    self._lines.append((line, first, last))
-
-
-def _right(component: Component) -> int:
-    return component.placement.x + component.placement.width
