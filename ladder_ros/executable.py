@@ -141,11 +141,13 @@ class RoutineEntry:
     """A piece of code that is executed as a whole: a body, or an enabled composite's instance.
 
     ``active`` is the slot that is TRUE after a scan which executed the routine; None for a body.
+    ``body`` is the body that executes it, directly or by way of others.
     """
 
     name: str
     instructions: int
     active: int | None = None
+    body: str = ''
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,14 +1,15 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Inventory: what the runtime tells about a program besides running it: its tasks and rungs."""
+"""Inventory: what the runtime tells about a program besides running it: its tasks, rungs and routines."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 import hashlib
 
+from ladder_ros.compiler.il import active_flag, InstructionList
 from ladder_ros.diagnostics import Diagnostic, LadderError, problem
-from ladder_ros.executable import RungEntry, Slot, TaskEntry
+from ladder_ros.executable import RoutineEntry, RungEntry, Slot, TaskEntry
 from ladder_ros.model.program import Pou, Program
 from ladder_ros.model.types import DataType
 from ladder_ros.source.model_to_xml import rung_text
@@ -45,3 +46,20 @@ def list_rungs(program: Program) -> tuple[RungEntry, ...]:
         RungEntry(pou=pou.name, rung=rung.id, digest=hashlib.blake2b(
             rung_text(rung).encode('utf-8', 'surrogatepass'), digest_size=8).hexdigest())
         for pou in pous for rung in pou.rungs)
+
+
+def list_routines(code: InstructionList, slots: Mapping[str, int]) -> tuple[RoutineEntry, ...]:
+    """Return the routines (``slots`` by casefolded path), each with the body that executes it."""
+    body_of = {(True, routine.name): routine.name for routine in code.routines if routine.is_body}
+    for routine in code.routines:  # a routine stands before those that it executes
+        body = body_of.get((routine.is_body, routine.name), '')
+        for instruction in routine.instructions():
+            call = instruction.call
+            if call is not None and active_flag(call.instance).path.casefold() in slots:
+                body_of[False, call.instance] = body
+    return tuple(
+        RoutineEntry(
+            name=routine.name, body='' if routine.is_body else body_of.get((False, routine.name), ''),
+            active=None if routine.is_body else slots.get(active_flag(routine.name).path.casefold()),
+            instructions=sum(len(network.code) for network in routine.networks))
+        for routine in code.routines)

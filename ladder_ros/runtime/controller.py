@@ -6,82 +6,50 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from enum import Enum
+from dataclasses import replace
 import threading
+from typing import TypeVar
 
 from ladder_ros.diagnostics import InternalError, LadderError, Location
 from ladder_ros.executable import Executable
-from ladder_ros.model.types import NS_PER_MS, NS_PER_S, Value
+from ladder_ros.model.types import Value
 from ladder_ros.runtime.clock import Clock, MonotonicClock
-from ladder_ros.runtime.online_change import SwapReport
-from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
-from ladder_ros.runtime.statistics import Recorder, Statistics
+from ladder_ros.runtime.errands import Errands
+from ladder_ros.runtime.listeners import (
+    check_interval,
+    ControllerState,
+    DEFAULT_INTERVAL,
+    Fault,
+    fault_of,
+    Listener,
+    Listeners,
+    ScanResult,
+    StateListener,
+)
+from ladder_ros.runtime.online_change import Gap, report_swap, SwapReport
+from ladder_ros.runtime.quiet import free_slowly, giving_way
+from ladder_ros.runtime.recorder import TraceRecorder
+from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle, Successor
+from ladder_ros.runtime.shadow import Shadow
+from ladder_ros.runtime.statistics import Recorder, Share, Statistics
+from ladder_ros.runtime.tasks import TaskStatistics
+from ladder_ros.runtime.trial import (
+    ChangeKind,
+    ChangeListener,
+    DEFAULT_OVERRUN_LIMIT,
+    DEFAULT_TIMEOUT,
+    ProgramChange,
+    Trial,
+)
 
-DEFAULT_INTERVAL = 10 * NS_PER_MS
-"""Scan interval in ns where neither the user nor the program gives one."""
-
-SHORTEST_INTERVAL = 100_000
-LONGEST_INTERVAL = 3600 * NS_PER_S
-
-
-class ControllerState(Enum):
-    """What the controller is doing."""
-
-    EMPTY = 'empty'
-    STOPPED = 'stopped'
-    RUNNING = 'running'
-    FAULTED = 'faulted'
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Fault:
-    """Why a program was stopped: the exception's text, and where it is known to come from."""
-
-    reason: str
-    entry: str
-    scan: int
-    now: int
-    location: Location = Location()
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ScanResult:
-    """What a listener is shown after a scan, the one that failed included.
-
-    ``values`` (by slot) and ``power`` (by component; None unless observed) are the live lists:
-    read them during the call, and never write to them.  ``executable`` is another object after a
-    swap.  ``execution_ns`` is how long the scan took.
-    """
-
-    number: int
-    now: int
-    executable: Executable
-    values: Sequence[Value]
-    power: Sequence[bool] | None
-    execution_ns: int
-    fault: Fault | None = None
-
-
-Listener = Callable[[ScanResult], None]
-StateListener = Callable[[ControllerState, 'Fault | None'], None]
-
-
-def check_interval(interval: int) -> int:
-    """Return the scan interval (ns) if it can be used; raises LadderError L0505 otherwise."""
-    if SHORTEST_INTERVAL <= interval <= LONGEST_INTERVAL:
-        return interval
-    raise LadderError.of(
-        'L0505', Location(), value=f'{interval / NS_PER_MS:g} ms',
-        reason='an interval is between 0.1 ms and 1 h; with several tasks the scan interval is '
-               'the common divisor of theirs')
+_T = TypeVar('_T')
 
 
 class Controller:
     """Runs one executable at a time; every method may be called from any thread.
 
-    Requests that are not possible in the present state raise LadderError L0508.  Listeners, which
-    the scan thread calls, may only read, write and stop.
+    Requests that are not possible in the present state raise LadderError L0508 or L0520.
+    Listeners, which the scan thread calls, may only read, write and stop.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:
@@ -93,10 +61,13 @@ class Controller:
         self._interval: int | None = None
         self._thread: threading.Thread | None = None
         self._stopping = False
-        self._listeners: tuple[Listener, ...] = ()
-        self._state_listeners: tuple[StateListener, ...] = ()
-        self._listener_error = ''
+        self._listeners = Listeners()
         self._recorder = Recorder()
+        self._trial: Trial | None = None
+        self._shadow: Shadow | None = None
+        self._trace: TraceRecorder | None = None
+        self._gap: tuple[Gap, int] | None = None
+        self._last_began = 0
         # Locks are always taken in this order.  One request at a time:
         self._requests = threading.RLock()
         # The gate makes the next lock fair: the scan thread passes it before each scan, so that
@@ -106,6 +77,7 @@ class Controller:
         self._between = threading.RLock()
         # Held while the program is exchanged, so that no written value is lost:
         self._exchange = threading.Lock()
+        self._errands = Errands()
 
     # What it is doing
 
@@ -140,9 +112,29 @@ class Controller:
         return self._recorder.read()
 
     @property
+    def tasks(self) -> tuple[TaskStatistics, ...]:
+        """The statistics of each task since the last start or change of the program."""
+        return self._cycle.task_statistics() if self._cycle else ()
+
+    @property
+    def share(self) -> Share:
+        """How much of the program is executed."""
+        return self._cycle.share if self._cycle else Share()
+
+    @property
     def listener_error(self) -> str:
         """Text of the last exception that a listener raised, or ''."""
-        return self._listener_error
+        return self._listeners.error
+
+    @property
+    def trial(self) -> Trial | None:
+        """The test that runs, or None."""
+        return self._trial
+
+    @property
+    def shadow(self) -> Shadow | None:
+        """The shadow run, ended or not, or None."""
+        return self._shadow
 
     # Life
 
@@ -151,7 +143,7 @@ class Controller:
 
         Not while a program runs (see :meth:`swap`).
         """
-        cycle = ScanCycle(executable)
+        cycle = ScanCycle(executable, self._clock.now)
         check_interval(self._interval_for(cycle.interval))
         with self._request('loading a program'):
             self._refuse('loading a program', ControllerState.RUNNING,
@@ -159,14 +151,25 @@ class Controller:
             self._join()
             with self._exchange:
                 self._cycle = cycle
-            self._fault = None
+            self._fault, self._shadow = None, None
             self._recorder = Recorder()
             self._set_state(ControllerState.STOPPED)
 
-    def start(self) -> None:
+    def unload(self) -> None:
+        """Go back to having no program.  Not while one runs."""
+        with self._request('unloading'):
+            self._refuse('unloading', ControllerState.RUNNING, 'stop it first')
+            self._join()
+            with self._exchange:
+                self._cycle = None
+            self._fault, self._shadow = None, None
+            self._recorder = Recorder()
+            self._set_state(ControllerState.EMPTY)
+
+    def start(self, *, cold: bool = False) -> None:
         """Start scanning from the initial state; inputs, forces and retained values stay.
 
-        Does nothing if it runs already.
+        Retained values do not if ``cold``.  Does nothing if it runs already.
         """
         with self._request('starting'):
             if self._state is ControllerState.RUNNING:
@@ -174,7 +177,7 @@ class Controller:
             self._refuse('starting', ControllerState.EMPTY, 'load a program first')
             self._refuse('starting', ControllerState.FAULTED, 'reset it first')
             self._join()
-            self._loaded('starting').restart()
+            self._loaded('starting').restart(cold=cold)
             self._recorder = Recorder()
             self._stopping = False
             self._set_state(ControllerState.RUNNING)
@@ -184,7 +187,8 @@ class Controller:
     def stop(self) -> None:
         """Stop after the scan that is running; when this returns no scan runs.
 
-        Does nothing if none runs.  From a listener it only asks to stop.
+        A test ends: the old program is there again.  Does nothing if none runs.  From a listener
+        it only asks to stop.
         """
         if threading.current_thread() is self._thread:
             self._stopping = True
@@ -194,38 +198,18 @@ class Controller:
             self._clock.wake()
             self._join()
 
-    def reset(self) -> None:
-        """Clear a fault and go back to the initial state, retained values too; then stopped.
+    def reset(self, *, cold: bool = True) -> None:
+        """Clear a fault and go back to the initial state, retained values too if ``cold``; stopped.
 
         Not while a program runs.
         """
         with self._request('resetting'):
             self._refuse('resetting', ControllerState.RUNNING, 'stop it first')
             self._join()
-            self._loaded('resetting').restart(cold=True)
+            self._loaded('resetting').restart(cold=cold)
             self._fault = None
             self._recorder = Recorder()
             self._set_state(ControllerState.STOPPED)
-
-    def swap(self, executable: Executable) -> SwapReport:
-        """Put another program in the place of the present one, between two scans.
-
-        State, pending inputs and forces of variables with the same path and identity are kept;
-        what runs once is not run again.  A fault stays until it is reset.  When this returns no
-        listener is being called with the old program, nor will be.
-        """
-        with self._request('changing the program'):
-            successor = self._loaded('changing the program').successor(executable)
-            check_interval(self._interval_for(successor.interval))
-            with self._between_scans():
-                began = self._clock.now()
-                with self._exchange:
-                    self._cycle, forces_dropped = successor.take_over()
-                pause = self._clock.now() - began
-        plan = successor.plan
-        return SwapReport(
-            kept=plan.kept, initialised=plan.initialised, dropped=plan.dropped,
-            forces_dropped=forces_dropped, pause_ns=pause)
 
     def set_interval(self, interval: int | None) -> None:
         """Set the scan interval in ns from the next scan on; None leaves it to the program.
@@ -235,6 +219,88 @@ class Controller:
         if interval is not None:
             check_interval(interval)
         self._interval = interval
+
+    # Changing the program
+
+    def swap(self, executable: Executable) -> SwapReport:
+        """Put another program in the place of the present one, between two scans.
+
+        State is kept as :mod:`~ladder_ros.runtime.state_plan` says, pending inputs and forces of
+        variables with the same path and identity are; what runs once is not run again.  A fault
+        stays until it is reset.  When this returns no listener is being called with the old
+        program, nor will be.
+        """
+        with self._request('changing the program'), giving_way(self.interval):
+            self._refuse_in_test('changing the program')
+            successor = self._succeed('changing the program', executable)
+            report = self._boundary(lambda: self._take_over(successor, ChangeKind.CHANGE))
+            pile: list[Sequence[object]] = [successor.steps]
+            del successor
+            free_slowly(pile)
+        return report
+
+    def test(
+        self, executable: Executable, *, timeout: int = DEFAULT_TIMEOUT,
+        overrun_limit: int | None = DEFAULT_OVERRUN_LIMIT,
+    ) -> SwapReport:
+        """Swap, but be able to go back: the old program and a copy of its state are kept.
+
+        It comes back by itself after a fault, a watchdog trip, more overruns than the limit (None:
+        any number), a stop, or after ``timeout`` ns without :meth:`accept`.
+        """
+        with self._request('testing a program'), giving_way(self.interval):
+            self._refuse_in_test('testing a program')
+            if self._state is not ControllerState.RUNNING:
+                raise LadderError.of(
+                    'L0508', Location(), request='testing a program', state=self._state.value,
+                    expected='a test needs a running program: start it, or load the program')
+            successor = self._succeed('testing a program', executable)
+            report = self._boundary(lambda: self._take_over(
+                successor, ChangeKind.TEST, timeout, overrun_limit))
+            pile: list[Sequence[object]] = [successor.steps]
+            del successor
+            free_slowly(pile)
+        return report
+
+    def untest(self, reason: str = 'asked for') -> None:
+        """Go back to the program and the state before the test; inputs and forces are today's."""
+        with self._request('going back'):
+            self._need_test('going back')
+            if not self._boundary(lambda: self._go_back(reason)):
+                self._need_test('going back')
+
+    def accept(self) -> None:
+        """Keep the program on test."""
+        with self._request('accepting'):
+            self._need_test('accepting')
+            self._boundary(self._accept)
+
+    def run_shadow(self, shadow: Shadow) -> None:
+        """Let another program scan along; replaces one that does so already."""
+        with self._request('a shadow run'):
+            cycle = self._loaded('a shadow run')
+            shadow.prepare(cycle)
+
+            def begin() -> None:
+                shadow.begin(cycle)
+                self._shadow = shadow
+
+            self._boundary(begin)
+
+    def end_shadow(self, why: str = 'asked for') -> None:
+        """Stop the shadow run, if there is one."""
+        with self._request('ending a shadow run'):
+            if self._shadow is not None:
+                shadow = self._shadow
+                self._boundary(lambda: shadow.end(why))
+
+    def record(self, trace: TraceRecorder | None) -> None:
+        """Write each scan to a recording from the next one on; None ends that."""
+        def begin() -> None:
+            self._trace = trace
+
+        with self._request('recording'):
+            self._boundary(begin)
 
     # Values
 
@@ -270,22 +336,21 @@ class Controller:
             cycle = self._loaded('reading')
             return cycle.executable, list(cycle.state)
 
+    def put(self, values: Mapping[int, Value]) -> None:
+        """Set values of a stopped program at once: what was retained from an earlier run."""
+        with self._request('restoring values'), self._between_scans():
+            cycle = self._loaded('restoring values')
+            for index, value in values.items():
+                cycle.state[index] = value
+
     def force(self, index: int, value: Value) -> None:
         """Hold a variable at a value.  Raises TypeError if the value is not of its type."""
-        with self._request('forcing'):
-            cycle = self._loaded('forcing')
-            # Built before scans are kept waiting; what follows takes it from the cache.
-            cycle.prepared(replace(cycle.variant, forced=cycle.variant.forced | {index}))
-            with self._between_scans():
-                cycle.force(index, value)
+        self._change_forces('forcing', lambda cycle: cycle.force(index, value), add=index)
 
     def unforce(self, index: int) -> None:
         """Release a variable; an input goes back to what was last written to it."""
-        with self._request('releasing a force'):
-            cycle = self._loaded('releasing a force')
-            cycle.prepared(replace(cycle.variant, forced=cycle.variant.forced - {index}))
-            with self._between_scans():
-                cycle.unforce(index)
+        self._change_forces(
+            'releasing a force', lambda cycle: cycle.unforce(index), remove=index)
 
     @property
     def forces(self) -> Mapping[int, Value]:
@@ -297,6 +362,7 @@ class Controller:
         with self._request('observing'):
             cycle = self._loaded('observing')
             cycle.prepared(replace(cycle.variant, observed=on))
+            self._prepare_return(frozenset(cycle.forces), on)
             with self._between_scans():
                 cycle.observe(on)
 
@@ -304,15 +370,20 @@ class Controller:
 
     def add_listener(self, listener: Listener) -> None:
         """Call ``listener`` in the scan thread after each scan; what it raises is only noted."""
-        self._listeners = (*self._listeners, listener)
+        self._listeners.of_scans = (*self._listeners.of_scans, listener)
 
     def remove_listener(self, listener: Listener) -> None:
         """Stop calling it; nothing happens if it is unknown."""
-        self._listeners = tuple(other for other in self._listeners if other != listener)
+        self._listeners.of_scans = tuple(
+            other for other in self._listeners.of_scans if other != listener)
 
     def add_state_listener(self, listener: StateListener) -> None:
         """Call ``listener`` with each new state, in the thread that made it so."""
-        self._state_listeners = (*self._state_listeners, listener)
+        self._listeners.of_states = (*self._listeners.of_states, listener)
+
+    def add_change_listener(self, listener: ChangeListener) -> None:
+        """Call ``listener`` with each change of the program, between two scans."""
+        self._listeners.of_changes = (*self._listeners.of_changes, listener)
 
     # The scan thread
 
@@ -326,6 +397,7 @@ class Controller:
         deadline = self._clock.now()
         running = True
         while running and not self._stopping:
+            self._errands.run()
             interval = self.interval
             ahead = deadline - self._clock.now()
             if ahead > interval:
@@ -336,57 +408,164 @@ class Controller:
             missed = -ahead // interval
             self._recorder.skip(missed)
             deadline += missed * interval
-            running = self._scan(deadline, lateness=-ahead)
+            running = self._scan(deadline, -ahead - missed * interval, missed)
             deadline += interval
             if self._clock.now() > deadline:
                 self._recorder.overrun()
         if running:
+            if self._trial is not None:
+                self._alone(lambda: self._go_back('the program was stopped'))
             self._set_state(ControllerState.STOPPED)
 
-    def _scan(self, now: int, lateness: int) -> bool:
+    def _scan(self, now: int, lateness: int, missed: int) -> bool:
         """Run one scan and tell the listeners; return False after a fault."""
         with self._gate:
             self._between.acquire()
         try:
-            return self._scan_and_tell(now, lateness)
+            self._end_trial()
+            fault = self._scan_and_tell(now, lateness, missed)
+            if fault is not None:
+                return False
+            if self._shadow is not None:
+                self._shadow.scan(self._loaded('scanning'), now + self.interval, missed)
+            return True
         finally:
             self._between.release()
 
-    def _scan_and_tell(self, now: int, lateness: int) -> bool:
+    def _scan_and_tell(self, now: int, lateness: int, missed: int) -> Fault | None:
         cycle = self._loaded('scanning')
-        fault = None
+        if self._trace is not None:
+            self._trace.before(cycle)
         began = self._clock.now()
+        if self._gap is not None:
+            gap, before = self._gap
+            gap.ns, self._gap = began - before, None
+        self._last_began = began
+        fault = None
         try:
-            cycle.scan(now)
+            cycle.scan(now, missed, lateness)
         except Exception as error:
             # Whatever it was, this thread must not die without a word.
-            fault = _fault_of(error, self._recorder.scans, now)
+            fault = fault_of(
+                error, error.entry if isinstance(error, ProgramFault) else '',
+                self._recorder.scans, now)
         execution = self._clock.now() - began
         self._recorder.scan(execution, lateness)
+        if fault is not None and self._trial is not None:
+            self._go_back(f'fault: {fault.reason}')  # nobody is told what the failed scan left
+            return None
+        if self._trace is not None:
+            self._trace.after(cycle, missed, is_fault=fault is not None)
         if fault is not None:
             self._fault = fault
             self._set_state(ControllerState.FAULTED)
-        self._tell(ScanResult(
+        self._listeners.tell_scan(ScanResult(
             number=self._recorder.scans - 1, now=now, executable=cycle.executable,
-            values=cycle.state, power=cycle.power, execution_ns=execution, fault=fault))
-        return fault is None
-
-    def _tell(self, result: ScanResult) -> None:
-        for listener in self._listeners:
-            try:
-                listener(result)
-            except Exception as error:
-                self._listener_error = f'{type(error).__name__}: {error}'
+            values=cycle.state, power=cycle.power, execution_ns=execution, fault=fault,
+            executed=cycle.executed))
+        return fault
 
     def _set_state(self, state: ControllerState) -> None:
         self._state = state
-        for listener in self._state_listeners:
-            try:
-                listener(state, self._fault)
-            except Exception as error:
-                self._listener_error = f'{type(error).__name__}: {error}'
+        self._listeners.tell_state(state, self._fault)
+
+    # Changes, between two scans
+
+    def _take_over(
+        self, successor: Successor, kind: ChangeKind, timeout: int = 0,
+        overrun_limit: int | None = None,
+    ) -> SwapReport:
+        old = self._loaded('changing the program')
+        began = self._clock.now()
+        with self._exchange:
+            self._cycle, forces_dropped = successor.take_over(copy=kind is ChangeKind.TEST)
+        if self._shadow is not None:
+            self._shadow.end('the running program was changed')
+        pause = self._clock.now() - began
+        gap = self._open_gap()
+        report = replace(successor.report, forces_dropped=forces_dropped, pause_ns=pause, gap=gap)
+        if kind is ChangeKind.TEST:
+            self._trial = Trial(
+                old=old, plan=successor.plan, report=report, began=began, timeout=timeout,
+                overrun_limit=overrun_limit, overruns_before=self._recorder.overruns)
+        self._listeners.tell_change(ProgramChange(
+            kind=kind, before=old.executable, after=self._cycle.executable, report=report))
+        return report
+
+    def _open_gap(self) -> Gap:
+        gap = Gap()
+        if self._state is ControllerState.RUNNING and self._recorder.scans:
+            self._gap = gap, self._last_began
+        return gap
+
+    def _end_trial(self) -> None:
+        """Go back if the test has to end."""
+        trial = self._trial
+        if trial is not None:
+            why = trial.why_over(self._clock.now(), self._recorder.overruns)
+            if why:
+                self._go_back(why)
+
+    def _go_back(self, reason: str) -> bool:
+        trial, tried = self._trial, self._loaded('going back')
+        if trial is None:
+            return False
+        began = self._clock.now()
+        with self._exchange:
+            trial.old.go_on_after(tried, trial.plan, began - trial.began)
+            self._cycle, self._trial = trial.old, None
+        if self._shadow is not None:
+            self._shadow.end('the running program was changed')
+        report = replace(
+            trial.report, pause_ns=self._clock.now() - began, gap=self._open_gap())
+        self._listeners.tell_change(ProgramChange(
+            kind=ChangeKind.UNTEST, before=tried.executable, after=trial.old.executable,
+            report=report, reason=reason))
+        return True
+
+    def _accept(self) -> None:
+        trial = self._trial
+        if trial is None:
+            self._need_test('accepting')
+            return
+        self._trial = None
+        self._listeners.tell_change(ProgramChange(
+            kind=ChangeKind.ACCEPT, before=trial.old.executable,
+            after=self._loaded('accepting').executable, report=trial.report))
 
     # Helpers
+
+    def _succeed(self, request: str, executable: Executable) -> Successor:
+        """Make another program ready to take over; all that takes long is done here."""
+        successor = self._loaded(request).successor(executable)
+        check_interval(self._interval_for(successor.interval))
+        return successor
+
+    def _change_forces(
+        self, request: str, change: Callable[[ScanCycle], None], *, add: int | None = None,
+        remove: int | None = None,
+    ) -> None:
+        with self._request(request):
+            cycle = self._loaded(request)
+            forced = frozenset(cycle.forces) | {add} - {None} if add is not None else (
+                frozenset(cycle.forces) - {remove})
+            # Built before scans are kept waiting; what follows takes it from the cache.
+            cycle.prepared(replace(cycle.variant, forced=forced))
+            self._prepare_return(forced, cycle.variant.observed)
+            with self._between_scans():
+                if self._cycle is not cycle:  # a test has ended meanwhile
+                    raise LadderError.of(
+                        'L0520', Location(), request=request, expected='try again',
+                        reason='the program was changed meanwhile')
+                change(cycle)
+                if self._shadow is not None:
+                    self._shadow.end('the forces were changed')
+
+    def _prepare_return(self, forced: frozenset[int], observed: bool) -> None:
+        """Build what runs if the test ends, so that this takes no time in the scan thread."""
+        trial = self._trial
+        if trial is not None:
+            trial.old.prepared(trial.old.variant_after(forced, trial.plan, observed))
 
     @contextmanager
     def _request(self, what: str) -> Iterator[None]:
@@ -399,6 +578,18 @@ class Controller:
                                               'write and stop')
         with self._requests:
             yield
+
+    def _boundary(self, action: Callable[[], _T]) -> _T:
+        """Have something done between two scans, by the scan thread if there is one."""
+        def alone() -> None:
+            self._alone(self._errands.run)
+
+        return self._errands.ask(
+            lambda: self._alone(action), self._thread, self._clock.wake, alone)
+
+    def _alone(self, action: Callable[[], _T]) -> _T:
+        with self._gate, self._between:
+            return action()
 
     @contextmanager
     def _between_scans(self) -> Iterator[None]:
@@ -426,13 +617,15 @@ class Controller:
             raise LadderError.of(
                 'L0508', Location(), request=request, state=state.value, expected=expected)
 
+    def _refuse_in_test(self, request: str) -> None:
+        if self._trial is not None:
+            raise LadderError.of('L0520', Location(), request=request, reason='a test runs',
+                                 expected='accept or untest the program on test first')
+
+    def _need_test(self, request: str) -> None:
+        if self._trial is None:
+            raise LadderError.of('L0520', Location(), request=request, reason='no test runs',
+                                 expected='test a program first')
+
     def _interval_for(self, program_interval: int) -> int:
         return self._interval or program_interval or DEFAULT_INTERVAL
-
-
-def _fault_of(error: Exception, scan: int, now: int) -> Fault:
-    entry = error.entry if isinstance(error, ProgramFault) else ''
-    location = getattr(error.__cause__, 'location', None)
-    return Fault(
-        reason=str(error), entry=entry, scan=scan, now=now,
-        location=location if isinstance(location, Location) else Location())
