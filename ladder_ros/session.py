@@ -8,13 +8,15 @@ program file and return; a :class:`Session` runs one program in a thread of its 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import datetime, timezone
+from enum import Enum
 import hashlib
 import os
 import threading
 
+from ladder_ros.compiler.background import COMPILER
 from ladder_ros.compiler.dump import dump_stage, STAGES
 from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location
@@ -22,10 +24,11 @@ from ladder_ros.drawing.rung_text import draw_program, Style
 from ladder_ros.executable import ARITHMETIC_ERRORS, Executable, Slot
 from ladder_ros.model.program import Pou, Program
 from ladder_ros.model.types import NS_PER_MS, Value
-from ladder_ros.runtime.clock import Clock
-from ladder_ros.runtime.controller import (
+from ladder_ros.runtime.changes import Change, Loaded
+from ladder_ros.runtime.clock import Clock, MonotonicClock
+from ladder_ros.runtime.controller import Controller
+from ladder_ros.runtime.listeners import (
     check_interval,
-    Controller,
     ControllerState,
     DEFAULT_INTERVAL,
     Fault,
@@ -34,11 +37,23 @@ from ladder_ros.runtime.controller import (
     StateListener,
 )
 from ladder_ros.runtime.names import find_slot, named_slots
-from ladder_ros.runtime.online_change import plan_swap, SwapReport
+from ladder_ros.runtime.online_change import keep_everything, SwapReport
+from ladder_ros.runtime.preflight import compare, Preflight, Refusal, RefusalCode, Verdict
+from ladder_ros.runtime.quiet import free_slowly, frozen_heap, giving_way
+from ladder_ros.runtime.recorder import RecordSummary, TraceRecorder
+from ladder_ros.runtime.replay import read_trace, replay_trace, ReplayResult
+from ladder_ros.runtime.retention import Retention
 from ladder_ros.runtime.scan_cycle import ScanCycle
+from ladder_ros.runtime.shadow import Shadow, ShadowStatus
 from ladder_ros.runtime.simulation import Simulation
 from ladder_ros.runtime.statistics import Statistics
 from ladder_ros.runtime.trace_csv import format_rows, InputTable, read_inputs
+from ladder_ros.runtime.trial import (
+    ChangeKind,
+    DEFAULT_OVERRUN_LIMIT,
+    DEFAULT_TIMEOUT,
+    ProgramChange,
+)
 from ladder_ros.runtime.values import check_value, format_value, parse_value
 from ladder_ros.source.model_to_xml import write_program
 from ladder_ros.source.xml_to_model import parse_program
@@ -52,15 +67,22 @@ __all__ = [
     'EXPORTS',
     'STAGES',
     'Change',
+    'ChangeKind',
     'ControllerState',
     'Fault',
     'InputTable',
     'Loaded',
+    'Preflight',
+    'RecordSummary',
+    'ReplayResult',
     'ScanResult',
     'Session',
+    'ShadowStatus',
     'Simulation',
+    'StartKind',
     'Statistics',
     'SwapReport',
+    'Verdict',
     'check',
     'check_interval',
     'compile_file',
@@ -71,6 +93,7 @@ __all__ = [
     'format_value',
     'named_slots',
     'parse_value',
+    'replay',
     'show',
     'simulate',
 ]
@@ -82,20 +105,19 @@ EXPORTS = ('xml',)
 """The forms in which a program can be written."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Loaded:
-    """A program file, compiled: ``source_hash`` is the SHA-256 of its bytes."""
+HISTORY = 50
+"""Changes that a session remembers."""
 
-    path: str
-    name: str
-    source_hash: str
-    executable: Executable
-    diagnostics: tuple[Diagnostic, ...] = ()
 
-    @property
-    def backend(self) -> str:
-        """The backend that it was compiled with."""
-        return self.executable.backend
+class StartKind(Enum):
+    """How much is forgotten at a start or reset; the words are those of CODESYS.
+
+    WARM: all but retained values.  COLD: these too.  ORIGIN: the program and the store as well.
+    """
+
+    WARM = 'warm'
+    COLD = 'cold'
+    ORIGIN = 'origin'
 
 
 # -- looking at a file --------------------------------------------------------------------------
@@ -160,10 +182,19 @@ def _require_pou(program: Program, pou: str | None) -> None:
 def compile_file(path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -> Loaded:
     """Compile a program file.  Raises LadderError with every error that was found."""
     program, source_hash = _read(path)
-    compilation = compile_program(program, backend=backend)
+    compilation = compile_program(program, backend=backend, source_hash=source_hash)
     return Loaded(
         path=os.fspath(path), name=program.name, source_hash=source_hash,
         executable=compilation.executable, diagnostics=compilation.diagnostics)
+
+
+def replay(path: str | os.PathLike[str], programs: Iterable[Loaded]) -> ReplayResult:
+    """Run a recording's scans again with the programs that ran then, and compare the outputs.
+
+    Raises LadderError L0526 if that is impossible.
+    """
+    return replay_trace(
+        read_trace(path), [loaded.executable for loaded in programs], os.fspath(path))
 
 
 # -- simulating ---------------------------------------------------------------------------------
@@ -200,53 +231,46 @@ def simulate(
 
 # -- running ------------------------------------------------------------------------------------
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Change:
-    """What a change of the program did.
-
-    ``report`` is None if there was no program before.  ``unchanged`` tells that the file had the
-    very bytes of the running program: nothing was exchanged.
-    """
-
-    loaded: Loaded
-    report: SwapReport | None = None
-    unchanged: bool = False
-    time: datetime = field(default_factory=lambda: datetime.now(timezone.utc))
-
-    def to_json(self) -> dict[str, object]:
-        """Return the change as plain JSON data; variables are counted, lost forces are named."""
-        report = self.report
-        return {
-            'time': self.time.isoformat(timespec='milliseconds'),
-            'program': self.loaded.name, 'path': self.loaded.path,
-            'hash': self.loaded.source_hash, 'unchanged': self.unchanged,
-            'kept': len(report.kept) if report else 0,
-            'initialised': len(report.initialised) if report else len(
-                named_slots(self.loaded.executable)),
-            'dropped': len(report.dropped) if report else 0,
-            'forces_dropped': list(report.forces_dropped) if report else [],
-            'pause_ms': report.pause_ns / NS_PER_MS if report else 0.0,
-        }
-
-
 class Session:
     """Runs one program at a time in a thread of its own; for calls from any thread.
 
-    Programs are compiled in the caller's thread while scans go on; a program that does not compile
+    While a program runs others are compiled in another process; one that does not compile
     leaves the running one untouched.  What is not possible in the present state raises LadderError
-    L0508, an unknown variable L0502, a bad value L0503.
+    L0508 or L0520, an unknown variable L0502, a bad value L0503.
     """
 
-    def __init__(self, *, clock: Clock | None = None, interval_ns: int | None = None) -> None:
+    def __init__(
+        self, *, clock: Clock | None = None, interval_ns: int | None = None,
+        retain_path: str | os.PathLike[str] | None = None, retain_period_s: float = 1.0,
+        background: bool = True,
+    ) -> None:
         """Make an empty session; ``interval_ns`` None leaves the interval to the program.
 
-        Raises LadderError L0505 if the interval cannot be used.
+        Retained variables are kept in the file ``retain_path``, if there is one.  ``background``
+        False compiles in this process, always.  Raises LadderError L0505 if the interval cannot be
+        used.
         """
         self._controller = Controller(clock)
         self._controller.set_interval(interval_ns)
+        self._controller.add_change_listener(self._on_change)
+        self._controller.add_state_listener(self._on_state)
+        self._is_real = isinstance(self._controller.clock, MonotonicClock)
+        self._background = background
         self._changes = threading.RLock()
         self._loaded: Loaded | None = None
+        self._candidate: Loaded | None = None
+        self._known: dict[int, Loaded] = {}
+        """The programs that are or may be in the controller, by the identity of the executable."""
+        self._history: deque[Mapping[str, object]] = deque(maxlen=HISTORY - 1)
         self._last_change: Change | None = None
+        self._made: dict[ChangeKind, Change] = {}
+        self._change_listeners: tuple[Callable[[Change], None], ...] = ()
+        self._trace: TraceRecorder | None = None
+        self._has_frozen = False
+        self._retention: Retention | None = None
+        if retain_path is not None:
+            self._retention = Retention(
+                self._controller, os.fspath(retain_path), retain_period_s, _stamp)
 
     # The program
 
@@ -254,6 +278,11 @@ class Session:
     def loaded(self) -> Loaded | None:
         """The program that is in the controller."""
         return self._loaded
+
+    @property
+    def candidate(self) -> Loaded | None:
+        """The program that the last preflight was about."""
+        return self._candidate
 
     @property
     def state(self) -> ControllerState:
@@ -283,24 +312,44 @@ class Session:
         self._controller.set_interval(interval_ns)
 
     def open(self, path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -> Loaded:
-        """Compile a program and load it, in its initial state and stopped.
+        """Compile a program and load it, stopped, in its initial state but for retained values.
 
         Not while a program runs: see :meth:`load`.
         """
         loaded = compile_file(path, backend)
         with self._changes:
-            self._controller.load(loaded.executable)
-            self._note(Change(loaded=loaded))
+            self._download(loaded)
             return loaded
 
-    def load(self, path: str | os.PathLike[str], backend: str | None = None) -> Change:
-        """Compile a program and put it in the place of the present one; see :meth:`commit`.
+    def prepare(
+        self, path: str | os.PathLike[str], backend: str | None = None, *,
+        timeout_s: float = 60.0,
+    ) -> Loaded:
+        """Compile a program to follow the present one, which goes on undisturbed meanwhile.
 
-        The backend is by default the present program's.
+        The backend is by default the present program's.  Raises LadderError with every error
+        that was found, L0521 if it takes too long.
         """
+        before = self._loaded
         if backend is None:
-            backend = self._loaded.backend if self._loaded else DEFAULT_BACKEND
-        return self.commit(compile_file(path, backend))
+            backend = before.backend if before else DEFAULT_BACKEND
+        if not self._background or self.state is not ControllerState.RUNNING:
+            return compile_file(path, backend)
+        data = read_file(path)
+        source_hash = hashlib.sha256(data).hexdigest()
+        if before is not None and (before.source_hash, before.backend) == (source_hash, backend):
+            return Loaded(path=os.fspath(path), name=before.name, source_hash=source_hash,
+                          executable=before.executable, diagnostics=before.diagnostics)
+        with giving_way(self.interval_ns):
+            compilation = COMPILER.compile(
+                data, os.fspath(path), backend=backend, timeout=timeout_s)
+        return Loaded(
+            path=os.fspath(path), name=compilation.executable.name, source_hash=source_hash,
+            executable=compilation.executable, diagnostics=compilation.diagnostics)
+
+    def load(self, path: str | os.PathLike[str], backend: str | None = None) -> Change:
+        """Compile a program and put it in the place of the present one; see :meth:`commit`."""
+        return self.commit(self.prepare(path, backend))
 
     def reload(self) -> Change:
         """Read the present program's file again; a changed program is put in place."""
@@ -312,53 +361,273 @@ class Session:
     def commit(self, loaded: Loaded) -> Change:
         """Put a compiled program in the place of the present one, between two scans.
 
-        Variables of the same path and type (and blocks of the same path and kind) keep their
-        values.  The same bytes compiled in the same way change nothing but the path.  Without a
-        present program it is loaded, stopped.
+        State is kept by path and type and follows ``was``.  The same bytes compiled in the same
+        way change nothing but the path.  Without a present program it is loaded, stopped.
         """
         with self._changes:
             before = self._loaded
             if before is None:
-                self._controller.load(loaded.executable)
-                change = Change(loaded=loaded)
-            elif (before.source_hash, before.backend) == (loaded.source_hash, loaded.backend):
-                plan = plan_swap(before.executable, before.executable)
-                change = Change(
-                    loaded=Loaded(
-                        path=loaded.path, name=loaded.name, source_hash=loaded.source_hash,
-                        executable=before.executable, diagnostics=loaded.diagnostics),
-                    unchanged=True, report=SwapReport(
-                        kept=plan.kept, initialised=(), dropped=(), forces_dropped=(),
-                        pause_ns=0))
-            else:
-                report = self._controller.swap(loaded.executable)
-                change = Change(loaded=loaded, report=report)
-            self._note(change)
-            return change
+                return self._download(loaded)
+            if _same(before, loaded):
+                return self._leave(before, loaded)
+            self._expect(loaded)
+            self._controller.swap(loaded.executable)
+            return self._made[ChangeKind.CHANGE]
 
-    def _note(self, change: Change) -> None:
-        self._loaded = change.loaded
-        self._last_change = change
+    # Online change in four words
+
+    def preflight(
+        self, candidate: str | os.PathLike[str] | Loaded, backend: str | None = None,
+    ) -> Preflight:
+        """Say everything that changing to a program would do; it becomes the candidate.
+
+        A program that cannot be compiled is a refusal in the verdict, not an exception.
+        """
+        if not isinstance(candidate, Loaded):
+            path = os.fspath(candidate)
+            try:
+                candidate = self.prepare(candidate, backend)
+            except LadderError as error:
+                self._candidate = None
+                return Preflight(
+                    verdict=Verdict.REFUSED, path=path, refusals=(_refusal(error),),
+                    running=_about(self._loaded))
+        with self._changes:
+            self._candidate = candidate
+            before = self._loaded
+            refusals = tuple(self._refusals(candidate))
+            with giving_way(self.interval_ns):
+                comparison = None if before is None else compare(
+                    before.executable, candidate.executable, self._controller.forces)
+            verdict = Verdict.READY
+            if refusals:
+                verdict = Verdict.REFUSED
+            elif before is not None and _same(before, candidate):
+                verdict = Verdict.IDENTICAL
+            about = {} if comparison is None else {'comparison': comparison}
+            return Preflight(
+                verdict=verdict, path=candidate.path, program=candidate.name,
+                hash=candidate.source_hash, running=_about(before), refusals=refusals,
+                diagnostics=candidate.diagnostics, **about)
+
+    def _refusals(self, candidate: Loaded) -> Iterable[Refusal]:
+        if self._loaded is None:
+            yield Refusal(code=RefusalCode.EMPTY, text='nothing is loaded that it could follow')
+        if self.in_test:
+            yield Refusal(code=RefusalCode.IN_TEST, text='a test runs: accept or untest it first')
+        try:
+            self._controller.check(candidate.executable)
+        except LadderError as error:
+            yield _refusal(error)
+
+    def test(
+        self, candidate: str | os.PathLike[str] | Loaded | None = None, *,
+        timeout_ns: int = DEFAULT_TIMEOUT, overrun_limit: int | None = DEFAULT_OVERRUN_LIMIT,
+    ) -> Change:
+        """Change to a program, by default the candidate, but keep the old one and its state.
+
+        It comes back, state and all, with :meth:`untest`, after a fault, a watchdog trip, more
+        overruns than the limit, a stop, or when the time is over without :meth:`accept`.
+        """
+        if candidate is None:
+            candidate = self._candidate
+            if candidate is None:
+                raise LadderError.of(
+                    'L0520', Location(), request='testing', reason='there is no candidate',
+                    expected='preflight a program first, or name it')
+        loaded = candidate if isinstance(candidate, Loaded) else self.prepare(candidate)
+        with self._changes:
+            before = self._loaded
+            if before is not None and not self.in_test and _same(before, loaded):
+                return self._leave(before, loaded)
+            self._expect(loaded)
+            self._controller.test(
+                loaded.executable, timeout=timeout_ns, overrun_limit=overrun_limit)
+            return self._made[ChangeKind.TEST]
+
+    def untest(self, reason: str = 'asked for') -> Change:
+        """Go back to the program and state before the test; inputs and forces are today's."""
+        with self._changes:
+            self._controller.untest(reason)
+            return self._made[ChangeKind.UNTEST]
+
+    def accept(self) -> Change:
+        """Keep the program on test."""
+        with self._changes:
+            self._controller.accept()
+            self._candidate = None
+            self._tidy()
+            return self._made[ChangeKind.ACCEPT]
+
+    @property
+    def in_test(self) -> bool:
+        """Whether a program is on test."""
+        return self._controller.trial is not None
+
+    def history(self) -> tuple[Mapping[str, object], ...]:
+        """Return the last changes as plain JSON data, the newest last."""
+        last = self._last_change
+        return (*self._history, *([last.to_json()] if last else []))
+
+    def _download(self, loaded: Loaded) -> Change:
+        self._controller.load(loaded.executable)
+        self._known.clear()
+        self._expect(loaded)
+        if self._retention is not None:
+            self._retention.restore(loaded.executable)
+        if self._background and self._is_real:
+            COMPILER.start()
+        return self._note(Change(kind=ChangeKind.DOWNLOAD, loaded=loaded, time=_stamp()))
+
+    def _leave(self, before: Loaded, loaded: Loaded) -> Change:
+        """Change nothing but the path: the program is the same."""
+        again = Loaded(
+            path=loaded.path, name=loaded.name, source_hash=loaded.source_hash,
+            executable=before.executable, diagnostics=loaded.diagnostics)
+        self._known[id(again.executable)] = again
+        return self._note(Change(
+            kind=ChangeKind.UNCHANGED, loaded=again, time=_stamp(),
+            before=(before.path, before.name, before.source_hash),
+            report=keep_everything(before.executable)))
+
+    def _expect(self, loaded: Loaded) -> None:
+        self._tidy()
+        self._known[id(loaded.executable)] = loaded
+
+    def _on_change(self, change: ProgramChange) -> None:
+        """Listener to the controller, in the scan thread if one runs: no lock may be taken."""
+        loaded = self._known[id(change.after)]
+        before = self._known.get(id(change.before), loaded)
+        self._note(Change(
+            kind=change.kind, loaded=loaded, time=_stamp(), reason=change.reason,
+            before=(before.path, before.name, before.source_hash), report=change.report))
+
+    def _note(self, change: Change) -> Change:
+        if self._last_change is not None:
+            self._history.append(self._last_change.to_json())
+        self._loaded, self._last_change, self._made[change.kind] = change.loaded, change, change
+        for listener in self._change_listeners:
+            listener(change)
+        return change
+
+    def _tidy(self) -> None:
+        """Let go of the programs that have been replaced, without keeping scans waiting."""
+        trial = self._controller.trial
+        needed = {id(self._controller.executable), id(trial.old.executable) if trial else 0}
+        if self._candidate is not None:
+            needed.add(id(self._candidate.executable))
+        for kind in [k for k, made in self._made.items() if made is not self._last_change]:
+            del self._made[kind]
+        pile: list[Sequence[object]] = []
+        for key in [key for key in self._known if key not in needed]:
+            executable = self._known.pop(key).executable
+            pile += [executable.slots, executable.components]
+            del executable
+        free_slowly(pile)
+
+    # Shadow runs and recordings
+
+    def shadow(
+        self, candidate: str | os.PathLike[str] | Loaded | None = None, *,
+        overrun_limit: int | None = DEFAULT_OVERRUN_LIMIT, everything: bool = False,
+    ) -> ShadowStatus:
+        """Let a program, by default the candidate, scan along with its outputs muted.
+
+        Outputs are compared, or with ``everything`` all variables that both programs have.
+        :meth:`test` promotes it.
+        """
+        if candidate is None:
+            candidate = self._candidate
+            if candidate is None:
+                raise LadderError.of(
+                    'L0520', Location(), request='a shadow run', reason='there is no candidate',
+                    expected='preflight a program first, or name it')
+        loaded = candidate if isinstance(candidate, Loaded) else self.prepare(candidate)
+        with self._changes, giving_way(self.interval_ns):
+            self._candidate = loaded
+            shadow = Shadow(loaded.executable, self._controller.clock.now, everything=everything,
+                            overrun_limit=overrun_limit)
+            self._controller.run_shadow(shadow)
+            return shadow.status()
+
+    def end_shadow(self) -> ShadowStatus | None:
+        """Stop the shadow run; return what it found, None if there was none."""
+        self._controller.end_shadow()
+        return self.shadow_status()
+
+    def shadow_status(self) -> ShadowStatus | None:
+        """Return how the shadow run goes or went; None if there was none."""
+        shadow = self._controller.shadow
+        return shadow.status() if shadow is not None else None
+
+    def record(self, path: str | os.PathLike[str]) -> None:
+        """Record every scan from the next one on.  Raises LadderError L0507 for a bad path."""
+        with self._changes:
+            self.end_record()
+            self._trace = TraceRecorder(path)
+            self._controller.record(self._trace)
+
+    def end_record(self) -> RecordSummary | None:
+        """End the recording; None if there is none."""
+        with self._changes:
+            trace, self._trace = self._trace, None
+            if trace is None:
+                return None
+            self._controller.record(None)
+            return trace.close()
 
     # Life
 
-    def start(self) -> None:
-        """Start scanning afresh; inputs, forces and retained values stay."""
-        self._controller.start()
+    def start(self, kind: StartKind | str = StartKind.WARM) -> None:
+        """Start scanning afresh; inputs and forces stay, and retained values unless cold."""
+        if self._retention is not None:
+            self._retention.start()
+        if self._is_real and not self._has_frozen:
+            self._has_frozen = True
+            frozen_heap.hold()
+        self._controller.start(cold=_start_kind(kind, StartKind.WARM, StartKind.COLD)
+                               is StartKind.COLD)
 
     def stop(self) -> None:
-        """Stop after the present scan; returns when none runs."""
+        """Stop after the present scan; returns when none runs.  A test ends with an untest."""
         self._controller.stop()
+        if self._retention is not None:
+            self._retention.save()
 
-    def reset(self) -> None:
-        """Clear a fault and go back to the initial state, stopped.  Not while a program runs."""
-        self._controller.reset()
+    def reset(self, kind: StartKind | str = StartKind.COLD) -> None:
+        """Clear a fault and go back to the initial state, stopped.  Not while a program runs.
+
+        A warm one leaves retained values; origin also forgets the stored ones and the program.
+        """
+        found = _start_kind(kind, *StartKind)
+        self._controller.reset(cold=found is not StartKind.WARM)
+        if found is StartKind.ORIGIN:
+            with self._changes:
+                if self._retention is not None:
+                    self._retention.forget()
+                self._controller.unload()
+                self._loaded = self._candidate = None
+                self._known.clear()
+
+    def close(self) -> None:
+        """Stop; end recordings; save retained values."""
+        self.end_record()
+        self._controller.stop()
+        if self._retention is not None:
+            self._retention.close()
+        if self._has_frozen:
+            self._has_frozen = False
+            frozen_heap.release()
 
     def __enter__(self) -> Session:
         return self
 
     def __exit__(self, *exception: object) -> None:
-        self.stop()
+        self.close()
+
+    def _on_state(self, state: ControllerState, fault: Fault | None) -> None:
+        if state is ControllerState.FAULTED and self._retention is not None:
+            self._retention.hurry()
 
     # Values
 
@@ -445,6 +714,14 @@ class Session:
         """Call ``listener(state, fault)`` with each new state, in the thread that made it so."""
         self._controller.add_state_listener(listener)
 
+    def add_change_listener(self, listener: Callable[[Change], None]) -> None:
+        """Call ``listener`` with each change of the program, before the first scan after it.
+
+        In the thread that made it so: the scan thread if a test ends by itself.  It may only read
+        and write; what it raises is only noted.
+        """
+        self._change_listeners = (*self._change_listeners, listener)
+
     def status(self) -> Mapping[str, object]:
         """Return the state of all that matters as plain JSON data; times are in ms."""
         controller, loaded, change = self._controller, self._loaded, self._last_change
@@ -464,12 +741,27 @@ class Session:
                 'mean': statistics.mean_ns / NS_PER_MS, 'max': statistics.max_ns / NS_PER_MS,
             },
             'max_lateness_ms': statistics.max_lateness_ns / NS_PER_MS,
+            'jitter_ms': statistics.jitter_ns / NS_PER_MS,
+            'tasks': [task.to_json() for task in controller.tasks],
+            'share': controller.share.to_json(),
             'forces': self._forces_as_text(),
             'arithmetic_errors': self._arithmetic_errors(),
             'last_fault': _fault_json(controller.fault),
             'last_change': change.to_json() if change else None,
+            'change': self._change_status(),
+            'shadow': shadow.to_json() if (shadow := self.shadow_status()) else None,
+            'retain': self._retention.to_json() if self._retention else None,
+            'recording': self._trace.path if self._trace else None,
             'listener_error': controller.listener_error or None,
         }
+
+    def _change_status(self) -> dict[str, object]:
+        trial, candidate = self._controller.trial, self._candidate
+        return {
+            'state': 'test' if trial else 'candidate' if candidate else 'none',
+            'candidate': candidate.source_hash if candidate else None,
+            'test_left_ms': trial.left(self._controller.clock.now()) / NS_PER_MS
+            if trial else None}
 
     def _forces_as_text(self) -> dict[str, str]:
         return {name: format_value(value, find_slot(self.executable, name).type)
@@ -497,3 +789,40 @@ def _fault_json(fault: Fault | None) -> dict[str, object] | None:
         return None
     return {'reason': fault.reason, 'entry': fault.entry, 'scan': fault.scan,
             'time_ms': fault.now / NS_PER_MS, 'location': fault.location.to_json()}
+
+
+def _stamp() -> str:
+    return datetime.now(timezone.utc).isoformat(timespec='milliseconds')
+
+
+def _same(one: Loaded, other: Loaded) -> bool:
+    """Say whether two programs are the same bytes compiled in the same way."""
+    return (one.source_hash, one.backend) == (other.source_hash, other.backend)
+
+
+def _about(loaded: Loaded | None) -> tuple[str, str] | None:
+    return (loaded.name, loaded.source_hash) if loaded else None
+
+
+def _start_kind(kind: StartKind | str, *allowed: StartKind) -> StartKind:
+    """Return the kind that is meant; raises LadderError L0520."""
+    try:
+        found = StartKind(kind)
+    except ValueError:
+        found = None
+    if found not in allowed or found is None:
+        raise LadderError.of(
+            'L0520', Location(), request=f'a start or reset of kind {kind}',
+            reason='there is no such kind',
+            expected=f'it is one of {", ".join(one.value for one in allowed)}')
+    return found
+
+
+_REFUSALS = {'L0504': RefusalCode.BACKEND, 'L0505': RefusalCode.INTERVAL,
+             'L0521': RefusalCode.TIMEOUT}
+
+
+def _refusal(error: LadderError) -> Refusal:
+    first = error.diagnostics[0]
+    return Refusal(code=_REFUSALS.get(first.code, RefusalCode.COMPILE), text=first.message,
+                   diagnostics=error.diagnostics)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 import threading
@@ -32,7 +32,7 @@ from ladder_ros.runtime.recorder import TraceRecorder
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle, Successor
 from ladder_ros.runtime.shadow import Shadow
 from ladder_ros.runtime.statistics import Recorder, Share, Statistics
-from ladder_ros.runtime.tasks import TaskStatistics
+from ladder_ros.runtime.tasks import make_tasks, TaskStatistics
 from ladder_ros.runtime.trial import (
     ChangeKind,
     ChangeListener,
@@ -222,6 +222,10 @@ class Controller:
 
     # Changing the program
 
+    def check(self, executable: Executable) -> None:
+        """Raise LadderError L0505 if a program's interval cannot be used."""
+        check_interval(self._interval_for(make_tasks(executable)[1]))
+
     def swap(self, executable: Executable) -> SwapReport:
         """Put another program in the place of the present one, between two scans.
 
@@ -335,6 +339,20 @@ class Controller:
         with self._between_scans():
             cycle = self._loaded('reading')
             return cycle.executable, list(cycle.state)
+
+    def values_of(
+        self, indices: Iterable[int],
+    ) -> tuple[Executable, tuple[Value, ...]]:
+        """Return the program and some of its values, of one moment between two scans."""
+        wanted = tuple(indices)
+
+        def take() -> tuple[Executable, tuple[Value, ...]]:
+            cycle = self._loaded('reading')
+            if wanted and wanted[-1] >= len(cycle.state):
+                return cycle.executable, ()  # they are another program's
+            return cycle.executable, tuple(cycle.state[index] for index in wanted)
+
+        return self._boundary(take)
 
     def put(self, values: Mapping[int, Value]) -> None:
         """Set values of a stopped program at once: what was retained from an earlier run."""

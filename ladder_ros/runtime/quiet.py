@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+import gc
 import sys
 import threading
 
@@ -48,3 +49,34 @@ def free_slowly(pile: list[Sequence[object]]) -> None:
         pile.pop()
         while items:
             del items[-_PART:]
+
+
+class FrozenHeap:
+    """Leaves out of garbage collections what is there when the first scan thread starts.
+
+    A full collection looks at every object and lets nothing else run: with it the whole of a
+    process's modules would be looked at again and again, for tens of milliseconds.
+    """
+
+    def __init__(self) -> None:
+        """Nothing is left out."""
+        self._lock = threading.Lock()
+        self._holders = 0
+
+    def hold(self) -> None:
+        """Leave out what is there, if nobody has said so before."""
+        with self._lock:
+            if not self._holders:
+                gc.collect()
+                gc.freeze()
+            self._holders += 1
+
+    def release(self) -> None:
+        """Undo one :meth:`hold`; after the last all is collected again."""
+        with self._lock:
+            self._holders -= 1
+            if not self._holders:
+                gc.unfreeze()
+
+
+frozen_heap = FrozenHeap()
