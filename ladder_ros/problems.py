@@ -61,7 +61,7 @@ _FILES = (
     _error('L0113', '<{element}> stands in the wrong place in <{parent}>',
            'the order in it is: {order}'),
     _error('L0130', 'the task {name} never runs',
-           'give it an interval, such as T#10ms, or the variable whose rising edge runs it: single'),
+           'give it an interval, such as T#10ms, or the variable whose rise runs it: single'),
 )
 
 _NAMES = (

@@ -10,7 +10,7 @@ makes any: the functions of a program that was compiled here are freed when nobo
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 import gc
 import hashlib
 import marshal
@@ -222,10 +222,8 @@ class CompilerProcess:
         process.kill()
         for stream in (process.stdin, process.stdout):
             if stream is not None:
-                try:
+                with suppress(OSError):  # about what it was to be sent
                     stream.close()
-                except OSError:  # what it was to be sent
-                    pass
         process.wait()
 
 

@@ -83,7 +83,8 @@ class History:
         return tuple(found)[:MOST_PLACES]
 
     def _innermost(self, path: str) -> tuple[_Frame, str]:
-        frame, way = _Frame(pou=''), ()
+        frame = _Frame(pou='')
+        way: tuple[str, ...] = ()
         rest = path
         while True:
             first = _FIRST.match(rest)

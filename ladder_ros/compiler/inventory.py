@@ -1,10 +1,11 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Inventory: what the runtime tells about a program besides running it: its tasks, rungs and routines."""
+"""Inventory: what the runtime tells of a program besides running it: tasks, rungs, routines."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 import hashlib
 
 from ladder_ros.compiler.il import active_flag, InstructionList
@@ -57,9 +58,13 @@ def list_routines(code: InstructionList, slots: Mapping[str, int]) -> tuple[Rout
             call = instruction.call
             if call is not None and active_flag(call.instance).path.casefold() in slots:
                 body_of[False, call.instance] = body
-    return tuple(
-        RoutineEntry(
-            name=routine.name, body='' if routine.is_body else body_of.get((False, routine.name), ''),
-            active=None if routine.is_body else slots.get(active_flag(routine.name).path.casefold()),
-            instructions=sum(len(network.code) for network in routine.networks))
-        for routine in code.routines)
+    entries: list[RoutineEntry] = []
+    for routine in code.routines:
+        entry = RoutineEntry(
+            name=routine.name, instructions=sum(len(n.code) for n in routine.networks))
+        if not routine.is_body:
+            entry = replace(
+                entry, body=body_of.get((False, routine.name), ''),
+                active=slots.get(active_flag(routine.name).path.casefold()))
+        entries.append(entry)
+    return tuple(entries)

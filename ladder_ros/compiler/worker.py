@@ -3,14 +3,15 @@
 """A process that compiles: ``python -m ladder_ros.compiler.worker``, for `background`.
 
 Frames go both ways, each a length and that many bytes.  A program comes back in parts that are
-small enough for the one who reads them to do other things in between: pickled pieces of its layout,
-then the machine code of one Python function each.  What cannot be sent is said to be so.
+small enough for the one who reads them to do other things in between: pickled pieces of its
+layout, then the code of one Python function each.  What cannot be sent is said to be so.
 """
 
 from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 import marshal
 import os
 import pickle
@@ -163,7 +164,5 @@ def main() -> None:
 
 
 if __name__ == '__main__':
-    try:
+    with suppress(KeyboardInterrupt, BrokenPipeError):
         main()
-    except (KeyboardInterrupt, BrokenPipeError):
-        pass

@@ -8,8 +8,8 @@ PI and RI, the provided and required interfaces, follow from kind and placement 
 :func:`provided` and :func:`required`, so that they cannot disagree with the drawing.
 
 ``was`` says where the state of a component was in earlier programs, so that an online change can
-move it: the paths of a variable or instance, or of an edge contact or coil as ``pou/rung/id``; in an
-instance also ``member=path`` for what was not together before.
+move it: the path of an instance, or of an edge contact or coil as ``pou/rung/id``; in an instance
+also ``member=path`` for what was not together before.
 """
 
 from __future__ import annotations

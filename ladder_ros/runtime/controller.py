@@ -15,6 +15,7 @@ from ladder_ros.executable import Executable
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.clock import Clock, MonotonicClock
 from ladder_ros.runtime.errands import Errands
+from ladder_ros.runtime.exchange import Exchange
 from ladder_ros.runtime.listeners import (
     check_interval,
     ControllerState,
@@ -26,19 +27,17 @@ from ladder_ros.runtime.listeners import (
     ScanResult,
     StateListener,
 )
-from ladder_ros.runtime.online_change import Gap, report_swap, SwapReport
+from ladder_ros.runtime.online_change import SwapReport
 from ladder_ros.runtime.quiet import free_slowly, giving_way
 from ladder_ros.runtime.recorder import TraceRecorder
-from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle, Successor
+from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
 from ladder_ros.runtime.shadow import Shadow
 from ladder_ros.runtime.statistics import Recorder, Share, Statistics
 from ladder_ros.runtime.tasks import make_tasks, TaskStatistics
 from ladder_ros.runtime.trial import (
-    ChangeKind,
     ChangeListener,
     DEFAULT_OVERRUN_LIMIT,
     DEFAULT_TIMEOUT,
-    ProgramChange,
     Trial,
 )
 
@@ -55,19 +54,15 @@ class Controller:
     def __init__(self, clock: Clock | None = None) -> None:
         """Make an empty controller."""
         self._clock: Clock = clock or MonotonicClock()
-        self._cycle: ScanCycle | None = None
         self._state = ControllerState.EMPTY
         self._fault: Fault | None = None
         self._interval: int | None = None
         self._thread: threading.Thread | None = None
         self._stopping = False
         self._listeners = Listeners()
+        self._programs = Exchange(self._clock, self._listeners)
         self._recorder = Recorder()
-        self._trial: Trial | None = None
-        self._shadow: Shadow | None = None
         self._trace: TraceRecorder | None = None
-        self._gap: tuple[Gap, int] | None = None
-        self._last_began = 0
         # Locks are always taken in this order.  One request at a time:
         self._requests = threading.RLock()
         # The gate makes the next lock fair: the scan thread passes it before each scan, so that
@@ -75,8 +70,6 @@ class Controller:
         self._gate = threading.RLock()
         # Held during a scan and its listeners, or to keep one from starting:
         self._between = threading.RLock()
-        # Held while the program is exchanged, so that no written value is lost:
-        self._exchange = threading.Lock()
         self._errands = Errands()
 
     # What it is doing
@@ -99,12 +92,14 @@ class Controller:
     @property
     def executable(self) -> Executable | None:
         """The program that is loaded, or None."""
-        return self._cycle.executable if self._cycle else None
+        cycle = self._programs.cycle
+        return cycle.executable if cycle else None
 
     @property
     def interval(self) -> int:
         """The scan interval in ns: the one asked for, else the program's, else 10 ms."""
-        return self._interval_for(self._cycle.interval if self._cycle else 0)
+        cycle = self._programs.cycle
+        return self._interval_for(cycle.interval if cycle else 0)
 
     @property
     def statistics(self) -> Statistics:
@@ -114,12 +109,14 @@ class Controller:
     @property
     def tasks(self) -> tuple[TaskStatistics, ...]:
         """The statistics of each task since the last start or change of the program."""
-        return self._cycle.task_statistics() if self._cycle else ()
+        cycle = self._programs.cycle
+        return cycle.task_statistics() if cycle else ()
 
     @property
     def share(self) -> Share:
         """How much of the program is executed."""
-        return self._cycle.share if self._cycle else Share()
+        cycle = self._programs.cycle
+        return cycle.share if cycle else Share()
 
     @property
     def listener_error(self) -> str:
@@ -129,12 +126,12 @@ class Controller:
     @property
     def trial(self) -> Trial | None:
         """The test that runs, or None."""
-        return self._trial
+        return self._programs.trial
 
     @property
     def shadow(self) -> Shadow | None:
         """The shadow run, ended or not, or None."""
-        return self._shadow
+        return self._programs.shadow
 
     # Life
 
@@ -149,9 +146,8 @@ class Controller:
             self._refuse('loading a program', ControllerState.RUNNING,
                          'stop it, or change the program online')
             self._join()
-            with self._exchange:
-                self._cycle = cycle
-            self._fault, self._shadow = None, None
+            self._programs.put(cycle)
+            self._fault = None
             self._recorder = Recorder()
             self._set_state(ControllerState.STOPPED)
 
@@ -160,9 +156,8 @@ class Controller:
         with self._request('unloading'):
             self._refuse('unloading', ControllerState.RUNNING, 'stop it first')
             self._join()
-            with self._exchange:
-                self._cycle = None
-            self._fault, self._shadow = None, None
+            self._programs.put(None)
+            self._fault = None
             self._recorder = Recorder()
             self._set_state(ControllerState.EMPTY)
 
@@ -178,6 +173,7 @@ class Controller:
             self._refuse('starting', ControllerState.FAULTED, 'reset it first')
             self._join()
             self._loaded('starting').restart(cold=cold)
+            self._programs.restarted()
             self._recorder = Recorder()
             self._stopping = False
             self._set_state(ControllerState.RUNNING)
@@ -199,9 +195,9 @@ class Controller:
             self._join()
 
     def reset(self, *, cold: bool = True) -> None:
-        """Clear a fault and go back to the initial state, retained values too if ``cold``; stopped.
+        """Clear a fault and go back to the initial state, retained values too if ``cold``.
 
-        Not while a program runs.
+        It is then stopped.  Not while a program runs.
         """
         with self._request('resetting'):
             self._refuse('resetting', ControllerState.RUNNING, 'stop it first')
@@ -234,14 +230,7 @@ class Controller:
         stays until it is reset.  When this returns no listener is being called with the old
         program, nor will be.
         """
-        with self._request('changing the program'), giving_way(self.interval):
-            self._refuse_in_test('changing the program')
-            successor = self._succeed('changing the program', executable)
-            report = self._boundary(lambda: self._take_over(successor, ChangeKind.CHANGE))
-            pile: list[Sequence[object]] = [successor.steps]
-            del successor
-            free_slowly(pile)
-        return report
+        return self._replace('changing the program', executable)
 
     def test(
         self, executable: Executable, *, timeout: int = DEFAULT_TIMEOUT,
@@ -252,32 +241,46 @@ class Controller:
         It comes back by itself after a fault, a watchdog trip, more overruns than the limit (None:
         any number), a stop, or after ``timeout`` ns without :meth:`accept`.
         """
-        with self._request('testing a program'), giving_way(self.interval):
-            self._refuse_in_test('testing a program')
+        with self._request('testing a program'):
             if self._state is not ControllerState.RUNNING:
                 raise LadderError.of(
                     'L0508', Location(), request='testing a program', state=self._state.value,
                     expected='a test needs a running program: start it, or load the program')
-            successor = self._succeed('testing a program', executable)
-            report = self._boundary(lambda: self._take_over(
-                successor, ChangeKind.TEST, timeout, overrun_limit))
+            return self._replace(
+                'testing a program', executable, timeout=timeout, overrun_limit=overrun_limit)
+
+    def _replace(
+        self, request: str, executable: Executable, *, timeout: int | None = None,
+        overrun_limit: int | None = None,
+    ) -> SwapReport:
+        with self._request(request), giving_way(self.interval):
+            if self.trial is not None:
+                raise LadderError.of('L0520', Location(), request=request, reason='a test runs',
+                                     expected='accept or untest the program on test first')
+            # All that takes long comes before it is the scan thread's turn, or after.
+            successor = self._loaded(request).successor(executable)
+            check_interval(self._interval_for(successor.interval))
+            report = self._boundary(lambda: self._programs.take_over(
+                self._loaded(request), successor, timeout=timeout, overrun_limit=overrun_limit,
+                overruns=self._recorder.overruns))
             pile: list[Sequence[object]] = [successor.steps]
-            del successor
+            successor.steps = ()
             free_slowly(pile)
-        return report
+            return report
 
     def untest(self, reason: str = 'asked for') -> None:
         """Go back to the program and the state before the test; inputs and forces are today's."""
         with self._request('going back'):
-            self._need_test('going back')
-            if not self._boundary(lambda: self._go_back(reason)):
-                self._need_test('going back')
+            if not self._boundary(
+                    lambda: self._programs.go_back(self._loaded('going back'), reason)):
+                raise _no_test('going back')
 
     def accept(self) -> None:
         """Keep the program on test."""
         with self._request('accepting'):
-            self._need_test('accepting')
-            self._boundary(self._accept)
+            if not self._boundary(
+                    lambda: self._programs.accept(self._loaded('accepting'))):
+                raise _no_test('accepting')
 
     def run_shadow(self, shadow: Shadow) -> None:
         """Let another program scan along; replaces one that does so already."""
@@ -287,15 +290,15 @@ class Controller:
 
             def begin() -> None:
                 shadow.begin(cycle)
-                self._shadow = shadow
+                self._programs.shadow = shadow
 
             self._boundary(begin)
 
     def end_shadow(self, why: str = 'asked for') -> None:
         """Stop the shadow run, if there is one."""
         with self._request('ending a shadow run'):
-            if self._shadow is not None:
-                shadow = self._shadow
+            shadow = self.shadow
+            if shadow is not None:
                 self._boundary(lambda: shadow.end(why))
 
     def record(self, trace: TraceRecorder | None) -> None:
@@ -319,7 +322,7 @@ class Controller:
         place, the variable of that path is written, if there still is one of its type.  Raises
         TypeError if the value is not of the slot's type.
         """
-        with self._exchange:
+        with self._programs.lock:
             cycle = self._loaded('writing')
             if of is not None and of is not cycle.executable:
                 old = of.slots[index]
@@ -373,7 +376,13 @@ class Controller:
     @property
     def forces(self) -> Mapping[int, Value]:
         """The forced values by slot."""
-        return self._cycle.forces if self._cycle else {}
+        cycle = self._programs.cycle
+        return cycle.forces if cycle else {}
+
+    def forced(self) -> tuple[Executable | None, Mapping[int, Value]]:
+        """Return the program and its forced values by slot, of one moment."""
+        cycle = self._programs.cycle
+        return (cycle.executable, cycle.forces) if cycle else (None, {})
 
     def observe(self, on: bool) -> None:
         """Begin or end to note the power that leaves each component."""
@@ -431,8 +440,8 @@ class Controller:
             if self._clock.now() > deadline:
                 self._recorder.overrun()
         if running:
-            if self._trial is not None:
-                self._alone(lambda: self._go_back('the program was stopped'))
+            self._alone(lambda: self._programs.go_back(
+                self._loaded('stopping'), 'the program was stopped'))
             self._set_state(ControllerState.STOPPED)
 
     def _scan(self, now: int, lateness: int, missed: int) -> bool:
@@ -440,12 +449,17 @@ class Controller:
         with self._gate:
             self._between.acquire()
         try:
-            self._end_trial()
+            trial = self.trial
+            if trial is not None:
+                why = trial.why_over(self._clock.now(), self._recorder.overruns)
+                if why:
+                    self._programs.go_back(self._loaded('going back'), why)
             fault = self._scan_and_tell(now, lateness, missed)
             if fault is not None:
                 return False
-            if self._shadow is not None:
-                self._shadow.scan(self._loaded('scanning'), now + self.interval, missed)
+            if self._programs.shadow is not None:
+                self._programs.shadow.scan(
+                    self._loaded('scanning'), now + self.interval, missed)
             return True
         finally:
             self._between.release()
@@ -455,10 +469,7 @@ class Controller:
         if self._trace is not None:
             self._trace.before(cycle)
         began = self._clock.now()
-        if self._gap is not None:
-            gap, before = self._gap
-            gap.ns, self._gap = began - before, None
-        self._last_began = began
+        self._programs.scanning(began)
         fault = None
         try:
             cycle.scan(now, missed, lateness)
@@ -469,9 +480,8 @@ class Controller:
                 self._recorder.scans, now)
         execution = self._clock.now() - began
         self._recorder.scan(execution, lateness)
-        if fault is not None and self._trial is not None:
-            self._go_back(f'fault: {fault.reason}')  # nobody is told what the failed scan left
-            return None
+        if fault is not None and self._programs.go_back(cycle, f'fault: {fault.reason}'):
+            return None  # nobody is told what the failed scan left
         if self._trace is not None:
             self._trace.after(cycle, missed, is_fault=fault is not None)
         if fault is not None:
@@ -487,77 +497,7 @@ class Controller:
         self._state = state
         self._listeners.tell_state(state, self._fault)
 
-    # Changes, between two scans
-
-    def _take_over(
-        self, successor: Successor, kind: ChangeKind, timeout: int = 0,
-        overrun_limit: int | None = None,
-    ) -> SwapReport:
-        old = self._loaded('changing the program')
-        began = self._clock.now()
-        with self._exchange:
-            self._cycle, forces_dropped = successor.take_over(copy=kind is ChangeKind.TEST)
-        if self._shadow is not None:
-            self._shadow.end('the running program was changed')
-        pause = self._clock.now() - began
-        gap = self._open_gap()
-        report = replace(successor.report, forces_dropped=forces_dropped, pause_ns=pause, gap=gap)
-        if kind is ChangeKind.TEST:
-            self._trial = Trial(
-                old=old, plan=successor.plan, report=report, began=began, timeout=timeout,
-                overrun_limit=overrun_limit, overruns_before=self._recorder.overruns)
-        self._listeners.tell_change(ProgramChange(
-            kind=kind, before=old.executable, after=self._cycle.executable, report=report))
-        return report
-
-    def _open_gap(self) -> Gap:
-        gap = Gap()
-        if self._state is ControllerState.RUNNING and self._recorder.scans:
-            self._gap = gap, self._last_began
-        return gap
-
-    def _end_trial(self) -> None:
-        """Go back if the test has to end."""
-        trial = self._trial
-        if trial is not None:
-            why = trial.why_over(self._clock.now(), self._recorder.overruns)
-            if why:
-                self._go_back(why)
-
-    def _go_back(self, reason: str) -> bool:
-        trial, tried = self._trial, self._loaded('going back')
-        if trial is None:
-            return False
-        began = self._clock.now()
-        with self._exchange:
-            trial.old.go_on_after(tried, trial.plan, began - trial.began)
-            self._cycle, self._trial = trial.old, None
-        if self._shadow is not None:
-            self._shadow.end('the running program was changed')
-        report = replace(
-            trial.report, pause_ns=self._clock.now() - began, gap=self._open_gap())
-        self._listeners.tell_change(ProgramChange(
-            kind=ChangeKind.UNTEST, before=tried.executable, after=trial.old.executable,
-            report=report, reason=reason))
-        return True
-
-    def _accept(self) -> None:
-        trial = self._trial
-        if trial is None:
-            self._need_test('accepting')
-            return
-        self._trial = None
-        self._listeners.tell_change(ProgramChange(
-            kind=ChangeKind.ACCEPT, before=trial.old.executable,
-            after=self._loaded('accepting').executable, report=trial.report))
-
     # Helpers
-
-    def _succeed(self, request: str, executable: Executable) -> Successor:
-        """Make another program ready to take over; all that takes long is done here."""
-        successor = self._loaded(request).successor(executable)
-        check_interval(self._interval_for(successor.interval))
-        return successor
 
     def _change_forces(
         self, request: str, change: Callable[[ScanCycle], None], *, add: int | None = None,
@@ -571,17 +511,17 @@ class Controller:
             cycle.prepared(replace(cycle.variant, forced=forced))
             self._prepare_return(forced, cycle.variant.observed)
             with self._between_scans():
-                if self._cycle is not cycle:  # a test has ended meanwhile
+                if self._programs.cycle is not cycle:  # a test has ended meanwhile
                     raise LadderError.of(
                         'L0520', Location(), request=request, expected='try again',
                         reason='the program was changed meanwhile')
                 change(cycle)
-                if self._shadow is not None:
-                    self._shadow.end('the forces were changed')
+                if self.shadow is not None:
+                    self.shadow.end('the forces were changed')
 
     def _prepare_return(self, forced: frozenset[int], observed: bool) -> None:
         """Build what runs if the test ends, so that this takes no time in the scan thread."""
-        trial = self._trial
+        trial = self.trial
         if trial is not None:
             trial.old.prepared(trial.old.variant_after(forced, trial.plan, observed))
 
@@ -624,10 +564,11 @@ class Controller:
             self._thread.join()
 
     def _loaded(self, request: str) -> ScanCycle:
-        if self._cycle is None:
+        cycle = self._programs.cycle
+        if cycle is None:
             self._refuse(request, ControllerState.EMPTY, 'load a program first')
             raise InternalError('controller', 'no program although not empty')
-        return self._cycle
+        return cycle
 
     def _refuse(self, request: str, state: ControllerState, expected: str) -> None:
         """Raise LadderError L0508 in the given state."""
@@ -635,15 +576,10 @@ class Controller:
             raise LadderError.of(
                 'L0508', Location(), request=request, state=state.value, expected=expected)
 
-    def _refuse_in_test(self, request: str) -> None:
-        if self._trial is not None:
-            raise LadderError.of('L0520', Location(), request=request, reason='a test runs',
-                                 expected='accept or untest the program on test first')
-
-    def _need_test(self, request: str) -> None:
-        if self._trial is None:
-            raise LadderError.of('L0520', Location(), request=request, reason='no test runs',
-                                 expected='test a program first')
-
     def _interval_for(self, program_interval: int) -> int:
         return self._interval or program_interval or DEFAULT_INTERVAL
+
+
+def _no_test(request: str) -> LadderError:
+    return LadderError.of('L0520', Location(), request=request, reason='no test runs',
+                          expected='test a program first')

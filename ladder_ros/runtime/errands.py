@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Errands: what other threads ask the scan thread to do between two scans.
 
-The scan thread does them itself, in the time that a scan leaves over: nothing has to be handed from
-thread to thread while a deadline comes nearer.
+The scan thread does them itself, in the time that a scan leaves over: nothing has to be handed
+from thread to thread while a deadline comes nearer.
 """
 
 from __future__ import annotations

@@ -26,9 +26,9 @@ class SwapReport:
 
     A variable whose type has changed so that its value cannot be kept is both initialised and
     dropped.  ``forces_dropped`` names the forced variables that the new program has not, or not of
-    that type.  ``pause_ns`` is how long no scan could start; ``gap`` from the beginning of the last
-    scan before to the beginning of the first scan after, 0 until then.  ``is_fast``: both programs
-    have the same layout, nothing was copied.
+    that type.  ``pause_ns`` is how long no scan could start; ``gap`` is from the beginning of the
+    last scan before to that of the first after, 0 until then.  ``is_fast``: both programs have the
+    same layout, nothing was copied.
     """
 
     kept: tuple[str, ...]

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recorder: what a running session reads, scan by scan, and what comes out of it, into a file.
 
-A recording is text, a JSON document a line.  The first line says what it is.  Then come sections: a
-line with the program and all that its next scan depends on (state, forces, tick), and a line a
+A recording is text, a JSON document a line.  The first line says what it is.  Then come sections:
+a line with the program and all that its next scan depends on (state, forces, tick), and a line a
 scan: its time, the intervals missed, what was written before it, and the outputs that changed.
 Whatever else changes what a scan does (another program, a force, a restart) begins a section, so
 that a replay needs no more than the programs.

@@ -174,7 +174,7 @@ def _cycle_of(section: Section, executable: Executable, file: str) -> ScanCycle:
     cycle = ScanCycle(executable)
     try:
         state = [normalise(section.state[slot.path], slot.type) for slot in executable.slots]
-        forces = {index: value for index, value in _slots(executable, section.forces)}
+        forces = dict(_slots(executable, section.forces))
         cycle.go_to(Moment(
             executable=executable, state=state, forces=forces, tick=section.tick,
             started=section.started, offset=0, sensed=section.sensed))
@@ -223,6 +223,6 @@ def _scan(
 def _same(a: Value, b: Value) -> bool:
     """Compare bit by bit, but for the many forms of not-a-number."""
     if isinstance(a, float) and isinstance(b, float):
-        return a == b and math.copysign(1, a) == math.copysign(1, b) or (
+        return (a == b and math.copysign(1, a) == math.copysign(1, b)) or (
             math.isnan(a) and math.isnan(b))
     return a == b

@@ -11,6 +11,7 @@ byte, either the new values are read back or those before them.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 import hashlib
 import json
@@ -47,10 +48,8 @@ def save_retained(path: str, retained: Retained) -> None:
         os.replace(path + _NEW, path)
         _sync_folder(path)
     except OSError as error:
-        try:
-            os.unlink(path + _NEW)  # a disk may be full because of it
-        except OSError:
-            pass
+        with suppress(OSError):
+            os.unlink(path + _NEW)  # the disk may be full because of it
         raise LadderError.of(
             'L0524', Location(file=path), reason=error.strerror or str(error),
             expected='make room, or mend the folder; the program runs on, and saving is tried '

@@ -35,7 +35,7 @@ class ProgramFault(Exception):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Moment:
-    """All that the next scan depends on but its inputs: a copy, of one moment between two scans."""
+    """All that the next scan depends on but its inputs: a copy, of a moment between two scans."""
 
     executable: Executable
     state: State
@@ -263,7 +263,7 @@ class ScanCycle:
         self.observe(self._observed)
 
     def variant_after(self, forced: frozenset[int], plan: StatePlan, observed: bool) -> Variant:
-        """Return the variant that runs after :meth:`go_on_after`, if the other has these forces."""
+        """Return the variant that :meth:`go_on_after` runs if the other has these forces."""
         back = plan.back
         kept = {index for index in self.image.forces if index not in plan.moves}
         return Variant(observed=observed, forced=frozenset(

@@ -3,8 +3,8 @@
 """Tasks (IEC 61131-3, 6.8.2): which bodies are due in a scan, and what each task has cost.
 
 Tasks do not interrupt each other: in each scan those that are due run one after the other, the
-smallest priority first.  A task that runs by a variable looks at it when its turn has come, so that
-what a task before it wrote is seen in the same scan.
+smallest priority first.  A task that runs by a variable looks at it when its turn has come, so
+that what a task before it wrote is seen in the same scan.
 """
 
 from __future__ import annotations
@@ -20,8 +20,6 @@ from ladder_ros.runtime.statistics import Recorder, Statistics
 
 Timer = Callable[[], int]
 """Returns the time in ns."""
-
-_MAIN = TaskEntry(name='')
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,7 +69,7 @@ class RunningTask:
         if self.single is None:
             return by_time
         before, self.sensed = self.sensed, bool(state[self.single])
-        return self.sensed and not before or by_time and not self.sensed
+        return (self.sensed and not before) or (by_time and not self.sensed)
 
     def executed(self, state: State) -> int:
         """Return how many instructions the run that has just ended has executed."""
@@ -137,11 +135,11 @@ def make_tasks(executable: Executable) -> tuple[tuple[RunningTask, ...], int]:
     tasks = [RunningTask(entry, bodies, executable) for entry, bodies in groups.values()]
     tasks.sort(key=lambda task: task.entry.priority)
     interval = math.gcd(*(task.entry.interval for task in tasks))
-    for task in tasks:
-        if task.entry.interval:
-            task.ratio = task.entry.interval // interval
-        elif task.single is not None:
-            task.ratio = 0
+    for running in tasks:
+        if running.entry.interval:
+            running.ratio = running.entry.interval // interval
+        elif running.single is not None:
+            running.ratio = 0
     return tuple(tasks), interval
 
 

@@ -107,7 +107,8 @@ RULES: Mapping[str, Rule] = {
         optional=('class', 'initial', 'retain', 'at', 'was', 'comment')),
     'tasks': Rule(children=(_many('task'),)),
     'task': Rule(
-        required=('name',), optional=('interval', 'priority', 'single', 'watchdog', 'sensitivity')),
+        required=('name',),
+        optional=('interval', 'priority', 'single', 'watchdog', 'sensitivity')),
     'body': Rule(
         required=('name',), optional=('run', 'task', 'comment'), children=(_many('rung'),)),
     'rung': Rule(

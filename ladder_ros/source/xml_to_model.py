@@ -483,12 +483,14 @@ class _Reader:
                 return Contact(
                     id=identifier, placement=placement, operand=self.operand(element),
                     kind=self.word(element, 'kind', ContactKind.NORMALLY_OPEN),
-                    was=self.was(element), name=name, comment=comment, specification=specification, location=place)
+                    was=self.was(element), name=name, comment=comment,
+                    specification=specification, location=place)
             case 'coil':
                 return Coil(
                     id=identifier, placement=placement, operand=self.operand(element),
                     kind=self.word(element, 'kind', CoilKind.COIL),
-                    was=self.was(element), name=name, comment=comment, specification=specification, location=place)
+                    was=self.was(element), name=name, comment=comment,
+                    specification=specification, location=place)
             case 'row':
                 return Row(
                     id=identifier, placement=placement, name=name, comment=comment,
@@ -502,13 +504,15 @@ class _Reader:
                     id=identifier, placement=placement, type=self.operand(element, 'type'),
                     instance=self.optional_name(element, 'instance'),
                     inputs=tuple(inner['input']), outputs=tuple(inner['output']),
-                    was=self.was(element), name=name, comment=comment, specification=specification, location=place)
+                    was=self.was(element), name=name, comment=comment,
+                    specification=specification, location=place)
             case _:
                 return Instance(
                     id=identifier, placement=placement,
                     composite=self.operand(element, 'composite'),
                     instance=self.name(element, 'instance'), arguments=tuple(inner['argument']),
-                    was=self.was(element), name=name, comment=comment, specification=specification, location=place)
+                    was=self.was(element), name=name, comment=comment,
+                    specification=specification, location=place)
 
     def argument(self, element: Element) -> Argument:
         rule = RULES[element.tag]
