@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.executable import Executable
 from ladder_ros.model.types import NS_PER_S, Value
 from ladder_ros.ros.bindings import Bindings, Changes
 from ladder_ros.ros.loading import Loader, Prepared
@@ -45,6 +46,7 @@ class Cell:
         self.loader = Loader(settings.io, resolve_topic, self.bindings.poll)
         self._backend = settings.backend
         self._candidate: Prepared | None = None
+        self._before: Executable | None = None  # what a test may have to go back to
         self.events: deque[Change] = deque()
         """Changes of the program that nobody has been told of yet."""
         session.add_listener(self._after_scan)
@@ -93,27 +95,35 @@ class Cell:
 
     def _exchange(self, prepared: Prepared, commit: Any) -> tuple[Change, Changes]:
         """Make the entities of a program, put it in place, and destroy what nobody needs now."""
-        before = self.session.loaded
+        loaded = self.session.loaded
+        if loaded is not None and not self.session.in_test:
+            self._before = loaded.executable
         self.bindings.prepare(prepared.loaded.executable, prepared.io_map)
         try:
             change: Change = commit()
         except Exception:
-            self.bindings.settle()
+            self.settle()
             raise
         self.bindings.enter(change.loaded.executable)
-        waiting = [before.executable] if before is not None and self.session.in_test else []
-        topics = self.bindings.settle(*waiting)
+        topics = self.settle()
         if self.session.state is not ControllerState.RUNNING:
             self.bindings.publish_safe()
         return change, topics
 
+    def settle(self) -> Changes:
+        """Destroy the topics that no program needs now, after a change."""
+        if not self.session.in_test:
+            self._before = None
+        return self.bindings.settle(*filter(None, [self._before]))
+
     # Trying out
 
     def preflight(self, path: Path) -> Json:
-        """Make a program the candidate if it could take the running one's place; say what of it."""
+        """Make a program the candidate if it can take the running one's place; say how."""
         self._candidate = None
         verdict: Json = dict(self.loader.in_background(
             lambda: self.session.preflight(str(path), self._backend), str(path)).to_json())
+        verdict['variables'] = verdict.pop('state', [])  # each answer has its own `state`
         loaded = self.session.candidate
         if loaded is not None and verdict['verdict'] != 'refused':
             try:
@@ -161,13 +171,13 @@ class Cell:
         """Go back to the program before the test, with its state."""
         change = self.session.untest()
         self._candidate = None
-        return _report(change, self.bindings.settle(), None)
+        return _report(change, self.settle(), None)
 
     def accept(self) -> Json:
         """Keep the program that is on test."""
         change = self.session.accept()
         self._candidate = None
-        return _report(change, self.bindings.settle(), None)
+        return _report(change, self.settle(), None)
 
     def shadow(self, path: Path, overrun_limit: int, watch: str) -> Json:
         """Run the candidate beside the program, outputs muted."""
@@ -187,7 +197,7 @@ class Cell:
     def stop(self) -> None:
         """Stop scanning; the outputs take their safe values."""
         self.session.stop()
-        self.bindings.settle()  # a test that this ended
+        self.settle()  # a test may have ended with it
         self.bindings.publish_safe()
 
     def close(self) -> None:

@@ -49,7 +49,9 @@ class Loader:
         self.worker: threading.Thread | None = None
         """The thread that works at present, or did so last."""
 
-    def prepare(self, path: Path, compile_it: Callable[[str], Loaded], *, strict: bool) -> Prepared:
+    def prepare(
+        self, path: Path, compile_it: Callable[[str], Loaded], *, strict: bool,
+    ) -> Prepared:
         """Compile a file and check its I/O map; see ``resolve_io`` for ``strict``.
 
         Raises LadderError.

@@ -96,10 +96,14 @@ def message(shown: View, sample: Sample, forces: dict[str, Value]) -> dict[str, 
 class Monitor:
     """Publishes ``~/monitor``; :meth:`after_scan` alone runs in the scan thread."""
 
-    def __init__(self, node: Any, session: Callable[[], Session], pou: str, rate: float) -> None:
+    def __init__(
+        self, node: Any, session: Callable[[], Session], pou: str, rate: float,
+        on_error: Callable[[Exception], None],
+    ) -> None:
         """Offer the topic; ``rate`` is in messages a second, ``session`` the present one."""
         self._node = node
         self._session = session
+        self._on_error = on_error
         self._pou = pou
         self._view: View | None = None
         self._observed: Executable | None = None
@@ -130,7 +134,12 @@ class Monitor:
                 values=list(result.values), power=list(result.power))
 
     def _tick(self) -> None:
-        session = self._session()
+        try:
+            self._look(self._session())
+        except Exception as error:  # would end the callback thread
+            self._on_error(error)
+
+    def _look(self, session: Session) -> None:
         loaded = session.loaded
         if loaded is None:
             self._observed, self._sample = None, None

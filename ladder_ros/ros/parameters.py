@@ -207,7 +207,8 @@ def read_settings(overrides: Mapping[str, Any]) -> tuple[Settings, tuple[Diagnos
         program=values['program'], program_folders=tuple(values['program_folders']),
         scan_period=round(values['scan_period'] * NS_PER_S) or None, backend=values['backend'],
         autostart=values['autostart'], status_period=values['status_period'],
-        forces=tuple(values['forces']), values=values, io=entries, declarations=(*declarations, *io_declarations),
+        forces=tuple(values['forces']), values=values, io=entries,
+        declarations=(*declarations, *io_declarations),
     )
     return settings, tuple(found)
 

@@ -28,12 +28,14 @@ class Running:
 @pytest.fixture
 def start_node(ros_domain_id: int, process: Any, tmp_path: Path) -> Callable[..., Any]:
     """Start ``plc_node`` with parameters; returns the process and its namespace."""
-    def start(parameters: dict[str, Any], *arguments: str) -> tuple[ManagedProcess, str]:
-        namespace = new_namespace()
+    def start(
+        parameters: dict[str, Any], *arguments: str, namespace: str = '',
+    ) -> tuple[ManagedProcess, str]:
+        namespace = namespace or new_namespace()
         path = write_parameters(tmp_path / f'parameters{namespace[1:]}.yaml', parameters)
         child = process(
             '-m', 'ladder_ros.ros.node', *arguments, '--ros-args', '-r', f'__ns:={namespace}',
-            '--params-file', str(path), cwd=tmp_path)
+            '--params-file', str(path), cwd=tmp_path, env={'ROS_HOME': str(tmp_path / 'ros')})
         return child, namespace
 
     return start

@@ -51,10 +51,11 @@ def make_plc(ros_domain_id: int) -> Iterator[Callable[..., Any]]:
     made: list[Any] = []
 
     def make(namespace: str, **overrides: Any) -> Any:
+        from ladder_ros.ros.lifecycle import make_node
         from ladder_ros.ros.plc import Plc
 
-        node = rclpy.create_node('plc_node', namespace=namespace)
-        settings, found = read_settings(overrides)
+        node = make_node('plc_node', namespace=namespace)
+        settings, found = read_settings({'retain_file': '', **overrides})
         assert not found
         made.append((node, Plc(node, settings)))
         return made[-1][1]
@@ -71,7 +72,7 @@ def test_fault_when_the_program_fails_then_safe_values_and_the_reason_are_publis
     from std_msgs.msg import Bool
 
     from ladder_ros.ros.io_map import resolve_io
-    from ladder_ros.ros.plc import Prepared
+    from ladder_ros.ros.loading import Prepared
     from ladder_ros.session import Loaded
 
     trap = Trap()
@@ -81,8 +82,8 @@ def test_fault_when_the_program_fails_then_safe_values_and_the_reason_are_publis
     executable = trap.executable()
     io_map = resolve_io(
         executable, plc._settings.io, lambda topic: topic.replace('~', 'plc_node'), strict=True)
-    plc._install(Prepared(path=Path('trap'), io_map=io_map, loaded=Loaded(
-        path='trap', name='trap', source_hash='0', executable=executable)))
+    plc._prepared = Prepared(path=Path('trap'), io_map=io_map, loaded=Loaded(
+        path='trap', name='trap', source_hash='0', executable=executable))
     plc.start()
     with connected(namespace) as client:
         motor = client.listen(f'{namespace}/plc_node/motor', Bool, latched=True)
@@ -94,7 +95,8 @@ def test_fault_when_the_program_fails_then_safe_values_and_the_reason_are_publis
     assert 'a fault of the program' in state['last_fault']['reason']
     scan = plc._tasks()[0]
     assert (scan.level, scan.message) == (b'\2', 'faulted')
-    assert plc.reset() == {'state': 'stopped'}
+    assert plc.reset() == {'kind': 'cold'}
+    assert plc.state()['state'] == 'stopped'
 
 
 def test_program_when_topics_cannot_be_made_then_nothing_changes(
