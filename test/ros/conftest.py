@@ -14,6 +14,8 @@ import pytest
 from ros.client import Client, connected, new_namespace, write_parameters
 from support.processes import ManagedProcess
 
+from ladder_ros.ros.parameters import read_settings
+
 
 @dataclass
 class Running:
@@ -57,3 +59,29 @@ def plc(start_node: Any, tmp_path: Path) -> Iterator[Callable[..., Running]]:
             return Running(process=child, client=client, file=file, namespace=namespace)
 
         yield start
+
+
+@pytest.fixture
+def make_plc(ros_domain_id: int) -> Iterator[Callable[..., Any]]:
+    """Make a Plc on a node in this process."""
+    import rclpy
+    from rclpy.signals import SignalHandlerOptions
+
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    made: list[Any] = []
+
+    def make(namespace: str, **overrides: Any) -> Any:
+        from ladder_ros.ros.lifecycle import make_node
+        from ladder_ros.ros.plc import Plc
+
+        node = make_node('plc_node', namespace=namespace)
+        settings, found = read_settings({'retain_file': '', **overrides})
+        assert not found
+        made.append((node, Plc(node, settings)))
+        return made[-1][1]
+
+    yield make
+    for node, plc in made:
+        plc.close()
+        node.destroy_node()
+    rclpy.shutdown()

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,6 @@ from ros.client import connected, COPY, new_namespace, until
 
 from ladder_ros.executable import Entry, Executable, Slot, SlotClass, State
 from ladder_ros.model.types import DataType
-from ladder_ros.ros.parameters import read_settings
 
 pytestmark = pytest.mark.ros
 
@@ -39,32 +38,6 @@ class Trap:
             name='trap', backend='python', source_hash='0', slots=slots, components=(),
             entries=(Entry(name='main', once=False),), build=lambda _variant: {'main': self.scan},
             by_path={slot.path: slot for slot in slots})
-
-
-@pytest.fixture
-def make_plc(ros_domain_id: int) -> Iterator[Callable[..., Any]]:
-    """Make a Plc on a node in this process."""
-    import rclpy
-    from rclpy.signals import SignalHandlerOptions
-
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    made: list[Any] = []
-
-    def make(namespace: str, **overrides: Any) -> Any:
-        from ladder_ros.ros.lifecycle import make_node
-        from ladder_ros.ros.plc import Plc
-
-        node = make_node('plc_node', namespace=namespace)
-        settings, found = read_settings({'retain_file': '', **overrides})
-        assert not found
-        made.append((node, Plc(node, settings)))
-        return made[-1][1]
-
-    yield make
-    for node, plc in made:
-        plc.close()
-        node.destroy_node()
-    rclpy.shutdown()
 
 
 def test_fault_when_the_program_fails_then_safe_values_and_the_reason_are_published(
