@@ -161,6 +161,7 @@ _ROS = (
     _warning('L0609', 'the I/O map names {name}, which this program does not have',
              'the entry rests until a program with this variable is loaded'),
     _error('L0610', 'the program was not loaded in time: {reason}', '{expected}'),
+    _error('L0611', 'the recording of topics cannot be used: {reason}', '{expected}'),
 )
 
 PROBLEMS: Mapping[str, Problem] = {

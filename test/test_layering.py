@@ -46,7 +46,8 @@ MAY_IMPORT: dict[str, set[str]] = {
     'session': DATA | {
         'source', 'drawing', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'resources',
     },
-    'cli': DOORS,
+    # What a recording of topics is for a program is the node's to say; that part needs no ROS.
+    'cli': DOORS | {'ros.bag'},
     'ros': DOORS,
     'studio': DOORS,
     'demo': {'resources'},
@@ -58,6 +59,7 @@ LIBRARIES: dict[str, set[str]] = {
     'typing_extensions': {''},  # everywhere
     'lxml': {'source'},
     'yaml': {'ros'},
+    'rosbags': {'ros.bag'},
     'llvmlite': {'compiler.il_to_llvm'},
     'numba': {'compiler.il_to_llvm'},
     'z3': {'refactor.equivalence'},

@@ -146,6 +146,8 @@ def _read(path: Path, wanted: dict[str, str]) -> tuple[list[Message], int, tuple
         from rosbags.typesys import get_typestore, Stores
     except ImportError:
         raise _bad(path, NO_READER, 'or replay a recording of ~/record instead') from None
+    if not path.exists():
+        raise _bad(path, 'there is no such file or folder', 'check the path')
     folder = path if path.is_dir() else path.parent
     try:
         with AnyReader([folder], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as reader:
@@ -166,7 +168,7 @@ def _read(path: Path, wanted: dict[str, str]) -> tuple[list[Message], int, tuple
                 (time - start, connection.topic,
                  reader.deserialize(data, connection.msgtype).data)  # type: ignore[attr-defined]
                 for connection, time, data in reader.messages(used)] if used else []
-            return messages, max(reader.end_time - start, 0), present
+            return messages, max(reader.end_time - 1 - start, 0), present
     except LadderError:
         raise
     except Exception as error:  # the library's own, and those of the database below it

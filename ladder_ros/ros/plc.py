@@ -57,6 +57,7 @@ class Plc:
         self._sim_clock = self._follow_clock()
         name = node.get_fully_qualified_name()
         self._retain_file = retain_file(settings.values['retain_file'], name)
+        self._make_folder(self._retain_file)
         self._recordings = Recordings(settings.values['record_folder'], name)
         self._folders = ProgramFolders(folders=())
         self._live = LiveParameters(
@@ -133,6 +134,14 @@ class Plc:
             retain_period_s=self._settings.values['retain_period'])
         session.add_listener(self._after_scan)
         return Cell(self._node, session, self._settings, self._log.warning, self._resolve_topic)
+
+    def _make_folder(self, path: Path | None) -> None:
+        """Make the folder of the retained values; what goes wrong, the first saving will say."""
+        if path is not None:
+            try:
+                path.parent.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                self._log.warning(f'retained values cannot be kept: {error}')
 
     # Life cycle
 
