@@ -30,6 +30,7 @@ ROS_WHEELS = (
     'ros-jazzy-diagnostic-msgs >= 5.3.6, < 6',
     'ros-jazzy-lifecycle-msgs >= 2.0.3, < 3',
     'ros-jazzy-rcl-interfaces >= 2.0.3, < 3',
+    'ros-jazzy-rosgraph-msgs >= 2.0.3, < 3',
     'ros-jazzy-std-msgs >= 5.3.6, < 6',
     'ros-jazzy-std-srvs >= 5.3.6, < 6',
 )
