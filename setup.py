@@ -28,6 +28,7 @@ ROS_WHEELS = (
     'ros-jazzy-rclpy[fastrtps] >= 7.1.6, < 8',
     'ros-jazzy-ament-index-python >= 1.8.1, < 2',
     'ros-jazzy-diagnostic-msgs >= 5.3.6, < 6',
+    'ros-jazzy-lifecycle-msgs >= 2.0.3, < 3',
     'ros-jazzy-rcl-interfaces >= 2.0.3, < 3',
     'ros-jazzy-rosgraph-msgs >= 2.0.3, < 3',
     'ros-jazzy-std-msgs >= 5.3.6, < 6',
@@ -84,12 +85,14 @@ setup(
     ],
     extras_require={
         'ros': [f'{wheel} ; {ROS_WHEELS_EXIST}' for wheel in ROS_WHEELS],
+        'bag': ['rosbags >= 0.10.6, < 1'],
         'test': [
             'hypothesis >= 6.80',
             'lxml >= 4.8',
             'mypy >= 1.11',
             'pytest >= 7.4',
             'pytest-timeout >= 2.2',
+            'rosbags >= 0.10.6, < 1',
             'ruff >= 0.6',
             'setuptools >= 70.1',
             'types-PyYAML >= 6.0',

@@ -42,6 +42,11 @@ class Slot:
     that start with % are not the user's.  ``identity`` tells whether state may be carried over to
     a slot of the same path in another program: the data type, or for a block's field also the
     block's type.
+
+    ``was`` are paths of slots in earlier programs whose value may be carried over to this one.
+    The rest is for memories, which must not give a pulse where an online change adds them:
+    ``senses`` is the path of the variable whose last value an edge memory holds (the negation if
+    ``negated``), empty where that is no variable; ``quiet`` is the value that gives no pulse.
     """
 
     index: int
@@ -54,6 +59,10 @@ class Slot:
     address: str = ''
     comment: str = ''
     location: Location = Location()
+    was: tuple[str, ...] = ()
+    senses: str = ''
+    negated: bool = False
+    quiet: Value | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,6 +107,33 @@ class Entry:
     once: bool
     interval: int = 0
     priority: int = 0
+    task: str = ''
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TaskEntry:
+    """A task (IEC 61131-3, 6.8.2); times in ns.
+
+    ``single`` is the path of the BOOL whose rising edge runs the task once, or empty.  An
+    execution longer than ``watchdog`` (0: no limit) is a trip; so many of them in a row as
+    ``sensitivity`` says are a fault.
+    """
+
+    name: str
+    interval: int = 0
+    priority: int = 0
+    single: str = ''
+    watchdog: int = 0
+    sensitivity: int = 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RungEntry:
+    """A rung of the source: ``digest`` is the same for the same drawing and comments."""
+
+    pou: str
+    rung: str
+    digest: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,11 +141,13 @@ class RoutineEntry:
     """A piece of code that is executed as a whole: a body, or an enabled composite's instance.
 
     ``active`` is the slot that is TRUE after a scan which executed the routine; None for a body.
+    ``body`` is the body that executes it, directly or by way of others.
     """
 
     name: str
     instructions: int
     active: int | None = None
+    body: str = ''
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -126,6 +164,8 @@ class Executable:
     by_path: Mapping[str, Slot] = field(default_factory=dict)
     """Slots by casefolded path."""
     routines: tuple[RoutineEntry, ...] = ()
+    tasks: tuple[TaskEntry, ...] = ()
+    rungs: tuple[RungEntry, ...] = ()
 
     @property
     def instructions(self) -> int:

@@ -60,6 +60,8 @@ _FILES = (
            'keep one of them'),
     _error('L0113', '<{element}> stands in the wrong place in <{parent}>',
            'the order in it is: {order}'),
+    _error('L0114', 'the task {name} never runs',
+           'give it an interval, such as T#10ms, or the variable whose rise runs it: single'),
     _error('L0120', 'this is no Structured Text: {what} (column {column})', '{expected}'),
     _error('L0121', 'the Structured Text is too large: {what}',
            'at most {limit}; split it, or put parts of it into variables or POUs of their own'),
@@ -177,6 +179,15 @@ _RUNNING = (
     _error('L0508', '{request} is not possible now: the controller is {state}', '{expected}'),
     _error('L0509', 'the program has no body or composite {name}', 'it has {known}'),
     _error('L0510', 'programs cannot be written as {form}', 'available here: {known}'),
+    _error('L0520', '{request} is not possible: {reason}', '{expected}'),
+    _error('L0521', 'the program was not compiled: {reason}', '{expected}'),
+    _warning('L0522', '{name} was nowhere: the running program has no {places}',
+             'correct was="..." or remove it; {name} starts with its initial value'),
+    _error('L0523', 'the retained values cannot be read: {reason}', '{expected}'),
+    _error('L0524', 'the retained values cannot be saved: {reason}', '{expected}'),
+    _error('L0525', 'the task {name} took {took}, its watchdog allows {limit}',
+           'make what it runs shorter, or raise its watchdog or sensitivity'),
+    _error('L0526', 'the recording cannot be used: {reason}', '{expected}'),
 )
 
 _ROS = (
@@ -194,6 +205,7 @@ _ROS = (
     _warning('L0609', 'the I/O map names {name}, which this program does not have',
              'the entry rests until a program with this variable is loaded'),
     _error('L0610', 'the program was not loaded in time: {reason}', '{expected}'),
+    _error('L0611', 'the recording of topics cannot be used: {reason}', '{expected}'),
 )
 
 PROBLEMS: Mapping[str, Problem] = {

@@ -8,24 +8,25 @@ program file and return; a :class:`Session` runs one program in a thread of its 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import datetime, timezone
 import hashlib
 import os
-import threading
 
+from ladder_ros.compiler.background import COMPILER
 from ladder_ros.compiler.dump import dump_stage, STAGES, with_drawings
 from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location
 from ladder_ros.drawing.rung_text import draw_program, Style
-from ladder_ros.executable import ARITHMETIC_ERRORS, Executable, Slot
+from ladder_ros.executable import Executable
 from ladder_ros.model.program import Pou, Program
-from ladder_ros.model.types import NS_PER_MS, Value
-from ladder_ros.runtime.clock import Clock
-from ladder_ros.runtime.controller import (
+from ladder_ros.model.types import Value
+from ladder_ros.runtime.change_desk import ChangeDesk
+from ladder_ros.runtime.changes import Change, Loaded
+from ladder_ros.runtime.clock import Clock, MonotonicClock
+from ladder_ros.runtime.controller import Controller
+from ladder_ros.runtime.listeners import (
     check_interval,
-    Controller,
     ControllerState,
     DEFAULT_INTERVAL,
     Fault,
@@ -33,13 +34,21 @@ from ladder_ros.runtime.controller import (
     ScanResult,
     StateListener,
 )
-from ladder_ros.runtime.names import find_slot, named_slots
-from ladder_ros.runtime.online_change import plan_swap, SwapReport
-from ladder_ros.runtime.scan_cycle import ScanCycle
-from ladder_ros.runtime.simulation import Simulation
+from ladder_ros.runtime.names import find_slot, named_slots, value_for
+from ladder_ros.runtime.online_change import SwapReport
+from ladder_ros.runtime.preflight import Preflight, Verdict
+from ladder_ros.runtime.quiet import frozen_heap, giving_way
+from ladder_ros.runtime.recorder import RecordSummary, TraceRecorder
+from ladder_ros.runtime.replay import read_trace, replay_trace, ReplayResult
+from ladder_ros.runtime.retention import Retention
+from ladder_ros.runtime.session_status import session_status
+from ladder_ros.runtime.shadow import ShadowStatus
+from ladder_ros.runtime.simulation import DEFAULT_SCANS, prepare_simulation, Simulation
+from ladder_ros.runtime.start_kind import start_kind, StartKind
 from ladder_ros.runtime.statistics import Statistics
-from ladder_ros.runtime.trace_csv import format_rows, InputTable, read_inputs
-from ladder_ros.runtime.values import check_value, format_value, parse_value
+from ladder_ros.runtime.trace_csv import format_rows, InputTable
+from ladder_ros.runtime.trial import ChangeKind, DEFAULT_OVERRUN_LIMIT, DEFAULT_TIMEOUT
+from ladder_ros.runtime.values import format_value, parse_value
 from ladder_ros.source.model_to_xml import write_program
 from ladder_ros.source.read_any import folder_hash, openplc_folder, parse_any, read_any
 from ladder_ros.source.xml_tree import read_file
@@ -52,15 +61,22 @@ __all__ = [
     'EXPORTS',
     'STAGES',
     'Change',
+    'ChangeKind',
     'ControllerState',
     'Fault',
     'InputTable',
     'Loaded',
+    'Preflight',
+    'RecordSummary',
+    'ReplayResult',
     'ScanResult',
     'Session',
+    'ShadowStatus',
     'Simulation',
+    'StartKind',
     'Statistics',
     'SwapReport',
+    'Verdict',
     'check',
     'check_interval',
     'compile_file',
@@ -71,31 +87,14 @@ __all__ = [
     'format_value',
     'named_slots',
     'parse_value',
+    'replay',
     'show',
     'simulate',
 ]
 
 DEFAULT_BACKEND = next(iter(BACKENDS))
-DEFAULT_SCANS = 100
-"""Scans of a simulation that has no table of inputs."""
 EXPORTS = ('xml',)
 """The forms in which a program can be written."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Loaded:
-    """A program file, compiled: ``source_hash`` is the SHA-256 of its bytes."""
-
-    path: str
-    name: str
-    source_hash: str
-    executable: Executable
-    diagnostics: tuple[Diagnostic, ...] = ()
-
-    @property
-    def backend(self) -> str:
-        """The backend that it was compiled with."""
-        return self.executable.backend
 
 
 # -- looking at a file --------------------------------------------------------------------------
@@ -169,6 +168,15 @@ def compile_file(path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -
         executable=compilation.executable, diagnostics=compilation.diagnostics)
 
 
+def replay(path: str | os.PathLike[str], programs: Iterable[Loaded]) -> ReplayResult:
+    """Run a recording's scans again with the programs that ran then, and compare the outputs.
+
+    Raises LadderError L0526 if that is impossible.
+    """
+    return replay_trace(
+        read_trace(path), [loaded.executable for loaded in programs], os.fspath(path))
+
+
 # -- simulating ---------------------------------------------------------------------------------
 
 def simulate(
@@ -183,80 +191,55 @@ def simulate(
     ``watch`` names the columns of the result, by default all inputs and outputs, or all
     variables of a program that has none.  Raises LadderError (L0501 to L0505).
     """
-    executable = loaded.executable
-    if inputs is None or isinstance(inputs, InputTable):
-        table = inputs
-    else:
-        table = read_inputs(inputs, executable)
-    if scans is None:
-        scans = len(table.rows) if table else DEFAULT_SCANS
-    if interval_ns is None:
-        interval_ns = ScanCycle(executable).interval or DEFAULT_INTERVAL
-    if interval_ns <= 0:
-        raise LadderError.of('L0505', Location(), value=f'{interval_ns / NS_PER_MS:g} ms',
-                             reason='time must go on from scan to scan')
-    slots = tuple(find_slot(executable, name) for name in watch)
-    return Simulation(
-        executable=executable, slots=slots or executable.io() or named_slots(executable),
-        scans=scans, interval_ns=interval_ns, inputs=table)
+    return prepare_simulation(
+        loaded.executable, inputs=inputs, scans=scans, interval_ns=interval_ns, watch=watch)
 
 
 # -- running ------------------------------------------------------------------------------------
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Change:
-    """What a change of the program did.
-
-    ``report`` is None if there was no program before.  ``unchanged`` tells that the file had the
-    very bytes of the running program: nothing was exchanged.
-    """
-
-    loaded: Loaded
-    report: SwapReport | None = None
-    unchanged: bool = False
-    time: datetime = field(default_factory=lambda: datetime.now(timezone.utc))
-
-    def to_json(self) -> dict[str, object]:
-        """Return the change as plain JSON data; variables are counted, lost forces are named."""
-        report = self.report
-        return {
-            'time': self.time.isoformat(timespec='milliseconds'),
-            'program': self.loaded.name, 'path': self.loaded.path,
-            'hash': self.loaded.source_hash, 'unchanged': self.unchanged,
-            'kept': len(report.kept) if report else 0,
-            'initialised': len(report.initialised) if report else len(
-                named_slots(self.loaded.executable)),
-            'dropped': len(report.dropped) if report else 0,
-            'forces_dropped': list(report.forces_dropped) if report else [],
-            'pause_ms': report.pause_ns / NS_PER_MS if report else 0.0,
-        }
-
-
 class Session:
     """Runs one program at a time in a thread of its own; for calls from any thread.
 
-    Programs are compiled in the caller's thread while scans go on; a program that does not compile
+    While a program runs others are compiled in another process; one that does not compile
     leaves the running one untouched.  What is not possible in the present state raises LadderError
-    L0508, an unknown variable L0502, a bad value L0503.
+    L0508 or L0520, an unknown variable L0502, a bad value L0503.
     """
 
-    def __init__(self, *, clock: Clock | None = None, interval_ns: int | None = None) -> None:
+    def __init__(
+        self, *, clock: Clock | None = None, interval_ns: int | None = None,
+        retain_path: str | os.PathLike[str] | None = None, retain_period_s: float = 1.0,
+        background: bool = True,
+    ) -> None:
         """Make an empty session; ``interval_ns`` None leaves the interval to the program.
 
-        Raises LadderError L0505 if the interval cannot be used.
+        Retained variables are kept in the file ``retain_path``, if there is one.  ``background``
+        False compiles in this process, always.  Raises LadderError L0505 if the interval cannot be
+        used.
         """
         self._controller = Controller(clock)
         self._controller.set_interval(interval_ns)
-        self._changes = threading.RLock()
-        self._loaded: Loaded | None = None
-        self._last_change: Change | None = None
+        self._desk = ChangeDesk(self._controller, _stamp)
+        self._controller.add_state_listener(self._on_state)
+        self._is_real = isinstance(self._controller.clock, MonotonicClock)
+        self._background = background
+        self._trace: TraceRecorder | None = None
+        self._has_frozen = False
+        self._retention: Retention | None = None
+        if retain_path is not None:
+            self._retention = Retention(
+                self._controller, os.fspath(retain_path), retain_period_s, _stamp)
 
     # The program
 
     @property
     def loaded(self) -> Loaded | None:
         """The program that is in the controller."""
-        return self._loaded
+        return self._desk.loaded
+
+    @property
+    def candidate(self) -> Loaded | None:
+        """The program that the last preflight was about."""
+        return self._desk.candidate
 
     @property
     def state(self) -> ControllerState:
@@ -286,82 +269,218 @@ class Session:
         self._controller.set_interval(interval_ns)
 
     def open(self, path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -> Loaded:
-        """Compile a program and load it, in its initial state and stopped.
+        """Compile a program and load it, stopped, in its initial state but for retained values.
 
         Not while a program runs: see :meth:`load`.
         """
         loaded = compile_file(path, backend)
-        with self._changes:
-            self._controller.load(loaded.executable)
-            self._note(Change(loaded=loaded))
-            return loaded
+        self._download(loaded)
+        return loaded
+
+    def prepare(
+        self, path: str | os.PathLike[str], backend: str | None = None, *,
+        timeout_s: float = 60.0,
+    ) -> Loaded:
+        """Compile a program to follow the present one, which goes on undisturbed meanwhile.
+
+        The backend is by default the present program's.  Raises LadderError with every error
+        that was found, L0521 if it takes too long.
+        """
+        before = self._desk.loaded
+        if backend is None:
+            backend = before.backend if before else DEFAULT_BACKEND
+        if not self._background or self.state is not ControllerState.RUNNING:
+            return compile_file(path, backend)
+        data = read_file(path)
+        source_hash = hashlib.sha256(data).hexdigest()
+        if before is not None and (before.source_hash, before.backend) == (source_hash, backend):
+            return Loaded(path=os.fspath(path), name=before.name, source_hash=source_hash,
+                          executable=before.executable, diagnostics=before.diagnostics)
+        with giving_way(self.interval_ns):
+            compilation = COMPILER.compile(
+                data, os.fspath(path), backend=backend, timeout=timeout_s)
+        return Loaded(
+            path=os.fspath(path), name=compilation.executable.name, source_hash=source_hash,
+            executable=compilation.executable, diagnostics=compilation.diagnostics)
 
     def load(self, path: str | os.PathLike[str], backend: str | None = None) -> Change:
-        """Compile a program and put it in the place of the present one; see :meth:`commit`.
-
-        The backend is by default the present program's.
-        """
-        if backend is None:
-            backend = self._loaded.backend if self._loaded else DEFAULT_BACKEND
-        return self.commit(compile_file(path, backend))
+        """Compile a program and put it in the place of the present one; see :meth:`commit`."""
+        return self.commit(self.prepare(path, backend))
 
     def reload(self) -> Change:
         """Read the present program's file again; a changed program is put in place."""
-        if self._loaded is None:
+        loaded = self._desk.loaded
+        if loaded is None:
             raise LadderError.of('L0508', Location(), request='reloading', state='empty',
                                  expected='load a program first')
-        return self.load(self._loaded.path)
+        return self.load(loaded.path)
 
     def commit(self, loaded: Loaded) -> Change:
         """Put a compiled program in the place of the present one, between two scans.
 
-        Variables of the same path and type (and blocks of the same path and kind) keep their
-        values.  The same bytes compiled in the same way change nothing but the path.  Without a
-        present program it is loaded, stopped.
+        State is kept by path and type and follows ``was``.  The same bytes compiled in the same
+        way change nothing but the path.  Without a present program it is loaded, stopped.
         """
-        with self._changes:
-            before = self._loaded
-            if before is None:
-                self._controller.load(loaded.executable)
-                change = Change(loaded=loaded)
-            elif (before.source_hash, before.backend) == (loaded.source_hash, loaded.backend):
-                plan = plan_swap(before.executable, before.executable)
-                change = Change(
-                    loaded=Loaded(
-                        path=loaded.path, name=loaded.name, source_hash=loaded.source_hash,
-                        executable=before.executable, diagnostics=loaded.diagnostics),
-                    unchanged=True, report=SwapReport(
-                        kept=plan.kept, initialised=(), dropped=(), forces_dropped=(),
-                        pause_ns=0))
-            else:
-                report = self._controller.swap(loaded.executable)
-                change = Change(loaded=loaded, report=report)
-            self._note(change)
-            return change
+        if self._desk.loaded is None:
+            return self._download(loaded)
+        return self._desk.commit(loaded)
 
-    def _note(self, change: Change) -> None:
-        self._loaded = change.loaded
-        self._last_change = change
+    def _download(self, loaded: Loaded) -> Change:
+        with self._desk.lock:
+            change = self._desk.download(loaded)
+            if self._retention is not None:
+                self._retention.restore(loaded.executable)
+        if self._background and self._is_real:
+            COMPILER.start()
+        return change
+
+    # Online change in four words
+
+    def preflight(
+        self, candidate: str | os.PathLike[str] | Loaded, backend: str | None = None,
+    ) -> Preflight:
+        """Say everything that changing to a program would do; it becomes the candidate.
+
+        A program that cannot be compiled is a refusal in the verdict, not an exception.
+        """
+        if isinstance(candidate, Loaded):
+            return self._desk.preflight(candidate)
+        try:
+            loaded = self.prepare(candidate, backend)
+        except LadderError as error:
+            return self._desk.refuse(os.fspath(candidate), error)
+        return self._desk.preflight(loaded)
+
+    def test(
+        self, candidate: str | os.PathLike[str] | Loaded | None = None, *,
+        timeout_ns: int = DEFAULT_TIMEOUT, overrun_limit: int | None = DEFAULT_OVERRUN_LIMIT,
+    ) -> Change:
+        """Change to a program, by default the candidate, but keep the old one and its state.
+
+        It comes back, state and all, with :meth:`untest`, after a fault, a watchdog trip, more
+        overruns than the limit, a stop, or when the time is over without :meth:`accept`.
+        """
+        return self._desk.test(
+            self._candidate_for('testing', candidate), timeout_ns, overrun_limit)
+
+    def _candidate_for(
+        self, request: str, candidate: str | os.PathLike[str] | Loaded | None,
+    ) -> Loaded:
+        found = candidate or self._desk.need_candidate(request)
+        return found if isinstance(found, Loaded) else self.prepare(found)
+
+    def untest(self, reason: str = 'asked for') -> Change:
+        """Go back to the program and state before the test; inputs and forces are today's."""
+        return self._desk.untest(reason)
+
+    def accept(self) -> Change:
+        """Keep the program on test."""
+        return self._desk.accept()
+
+    @property
+    def in_test(self) -> bool:
+        """Whether a program is on test."""
+        return self._controller.trial is not None
+
+    def history(self) -> tuple[Mapping[str, object], ...]:
+        """Return the last changes as plain JSON data, the newest last."""
+        return self._desk.history
+
+    # Shadow runs and recordings
+
+    def shadow(
+        self, candidate: str | os.PathLike[str] | Loaded | None = None, *,
+        overrun_limit: int | None = DEFAULT_OVERRUN_LIMIT, watch: str = 'outputs',
+    ) -> ShadowStatus:
+        """Let a program, by default the candidate, scan along with its outputs muted.
+
+        What is compared: the ``outputs``, or ``all`` variables that both programs have.
+        :meth:`test` promotes it.
+        """
+        if watch not in ('outputs', 'all'):
+            raise LadderError.of(
+                'L0520', Location(), request='a shadow run', expected='write outputs or all',
+                reason=f'{watch} cannot be compared')
+        return self._desk.shadow(
+            self._candidate_for('a shadow run', candidate), everything=watch == 'all',
+            overrun_limit=overrun_limit)
+
+    def end_shadow(self) -> ShadowStatus | None:
+        """Stop the shadow run; return what it found, None if there was none."""
+        self._controller.end_shadow()
+        return self.shadow_status()
+
+    def shadow_status(self) -> ShadowStatus | None:
+        """Return how the shadow run goes or went; None if there was none."""
+        shadow = self._controller.shadow
+        return shadow.status() if shadow is not None else None
+
+    def record(self, path: str | os.PathLike[str]) -> None:
+        """Record every scan from the next one on.  Raises LadderError L0507 for a bad path."""
+        with self._desk.lock:
+            self.end_record()
+            self._trace = TraceRecorder(path)
+            self._controller.record(self._trace)
+
+    def end_record(self) -> RecordSummary | None:
+        """End the recording; None if there is none."""
+        with self._desk.lock:
+            trace, self._trace = self._trace, None
+            if trace is None:
+                return None
+            self._controller.record(None)
+            return trace.close()
 
     # Life
 
-    def start(self) -> None:
-        """Start scanning afresh; inputs, forces and retained values stay."""
-        self._controller.start()
+    def start(self, kind: StartKind | str = StartKind.WARM) -> None:
+        """Start scanning afresh; inputs and forces stay, and retained values unless cold."""
+        if self._retention is not None:
+            self._retention.start()
+        if self._is_real and not self._has_frozen:
+            self._has_frozen = True
+            frozen_heap.hold()
+        found = start_kind(kind, StartKind.WARM, StartKind.COLD)
+        self._controller.start(cold=found is StartKind.COLD)
 
     def stop(self) -> None:
-        """Stop after the present scan; returns when none runs."""
+        """Stop after the present scan; returns when none runs.  A test ends with an untest."""
         self._controller.stop()
+        if self._retention is not None:
+            self._retention.save()
 
-    def reset(self) -> None:
-        """Clear a fault and go back to the initial state, stopped.  Not while a program runs."""
-        self._controller.reset()
+    def reset(self, kind: StartKind | str = StartKind.COLD) -> None:
+        """Clear a fault and go back to the initial state, stopped.  Not while a program runs.
+
+        A warm one leaves retained values; origin also forgets the stored ones and the program.
+        """
+        found = start_kind(kind, *StartKind)
+        self._controller.reset(cold=found is not StartKind.WARM)
+        if found is StartKind.ORIGIN:
+            with self._desk.lock:
+                if self._retention is not None:
+                    self._retention.forget()
+                self._desk.forget()
+
+    def close(self) -> None:
+        """Stop; end recordings; save retained values."""
+        self.end_record()
+        self._controller.stop()
+        if self._retention is not None:
+            self._retention.close()
+        if self._has_frozen:
+            self._has_frozen = False
+            frozen_heap.release()
 
     def __enter__(self) -> Session:
         return self
 
     def __exit__(self, *exception: object) -> None:
-        self.stop()
+        self.close()
+
+    def _on_state(self, state: ControllerState, fault: Fault | None) -> None:
+        if state is ControllerState.FAULTED and self._retention is not None:
+            self._retention.hurry()
 
     # Values
 
@@ -383,7 +502,7 @@ class Session:
         executable = self.executable
         slot = find_slot(executable, name, to_write=True)
         self._controller.write(
-            slot.index, _value(value, slot), catch_pulse=catch_pulse, of=executable)
+            slot.index, value_for(slot, value), catch_pulse=catch_pulse, of=executable)
 
     def write_slot(
         self, index: int, value: Value, *, catch_pulse: bool = False,
@@ -408,23 +527,21 @@ class Session:
 
     def force(self, name: str, value: object) -> None:
         """Hold a variable at a value (see :meth:`write`) until it is released."""
-        with self._changes:
+        with self._desk.lock:
             slot = find_slot(self.executable, name, to_write=True)
-            self._controller.force(slot.index, _value(value, slot))
+            self._controller.force(slot.index, value_for(slot, value))
 
     def unforce(self, name: str) -> None:
         """Release a variable; an input goes back to what was last written to it."""
-        with self._changes:
+        with self._desk.lock:
             self._controller.unforce(find_slot(self.executable, name).index)
 
     def forces(self) -> dict[str, Value]:
         """Return the forced values by variable."""
-        with self._changes:
-            executable = self._controller.executable
-            if executable is None:
-                return {}
-            return {executable.slots[index].path: value
-                    for index, value in sorted(self._controller.forces.items())}
+        executable, forces = self._controller.forced()
+        if executable is None:
+            return {}
+        return {executable.slots[index].path: value for index, value in sorted(forces.items())}
 
     def observe(self, on: bool) -> None:
         """Begin or end to give listeners the power that leaves each component."""
@@ -448,55 +565,20 @@ class Session:
         """Call ``listener(state, fault)`` with each new state, in the thread that made it so."""
         self._controller.add_state_listener(listener)
 
+    def add_change_listener(self, listener: Callable[[Change], None]) -> None:
+        """Call ``listener`` with each change of the program, before the first scan after it.
+
+        In the thread that made it so: the scan thread if a test ends by itself.  It may only read
+        and write; what it raises is only noted.
+        """
+        self._desk.listeners = (*self._desk.listeners, listener)
+
     def status(self) -> Mapping[str, object]:
         """Return the state of all that matters as plain JSON data; times are in ms."""
-        controller, loaded, change = self._controller, self._loaded, self._last_change
-        statistics = controller.statistics
-        return {
-            'state': controller.state.value,
-            'program': loaded.name if loaded else None,
-            'path': loaded.path if loaded else None,
-            'hash': loaded.source_hash if loaded else None,
-            'backend': loaded.backend if loaded else None,
-            'interval_ms': controller.interval / NS_PER_MS,
-            'scans': statistics.scans,
-            'overruns': statistics.overruns,
-            'skipped': statistics.skipped,
-            'execution_ms': {
-                'last': statistics.last_ns / NS_PER_MS, 'min': statistics.min_ns / NS_PER_MS,
-                'mean': statistics.mean_ns / NS_PER_MS, 'max': statistics.max_ns / NS_PER_MS,
-            },
-            'max_lateness_ms': statistics.max_lateness_ns / NS_PER_MS,
-            'forces': self._forces_as_text(),
-            'arithmetic_errors': self._arithmetic_errors(),
-            'last_fault': _fault_json(controller.fault),
-            'last_change': change.to_json() if change else None,
-            'listener_error': controller.listener_error or None,
-        }
-
-    def _forces_as_text(self) -> dict[str, str]:
-        return {name: format_value(value, find_slot(self.executable, name).type)
-                for name, value in self.forces().items()}
-
-    def _arithmetic_errors(self) -> int:
-        executable = self._controller.executable
-        slot = executable.slot(ARITHMETIC_ERRORS) if executable else None
-        return int(self._controller.read(slot.index)) if slot else 0
+        retain = self._retention.to_json() if self._retention else None
+        return session_status(self._controller, self._desk, retain=retain,
+                              recording=self._trace.path if self._trace else None)
 
 
-def _value(value: object, slot: Slot) -> Value:
-    """Return a value for the slot; raises LadderError L0503."""
-    try:
-        if isinstance(value, str):
-            return parse_value(value, slot.type)
-        return check_value(value, slot.type)
-    except ValueError as error:
-        raise LadderError.of('L0503', slot.location, name=slot.path, reason=error,
-                             expected=f'{slot.path} is {slot.type}') from None
-
-
-def _fault_json(fault: Fault | None) -> dict[str, object] | None:
-    if fault is None:
-        return None
-    return {'reason': fault.reason, 'entry': fault.entry, 'scan': fault.scan,
-            'time_ms': fault.now / NS_PER_MS, 'location': fault.location.to_json()}
+def _stamp() -> str:
+    return datetime.now(timezone.utc).isoformat(timespec='milliseconds')

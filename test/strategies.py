@@ -138,6 +138,15 @@ def arguments(*kinds: str) -> st.SearchStrategy[Argument]:
     return st.one_of(*(ways[kind] for kind in kinds))
 
 
+def places(*, members: bool = False) -> st.SearchStrategy[tuple[str, ...]]:
+    """Generate where state was in earlier programs."""
+    place = st.builds(
+        lambda first, rest: ''.join([first, *(sign + part for sign, part in rest)]), identifiers(),
+        st.lists(st.tuples(st.sampled_from('./'), identifiers()), max_size=2))
+    entry = st.one_of(place, st.builds('{}={}'.format, place, place)) if members else place
+    return st.lists(entry, max_size=2).map(tuple)
+
+
 def _few(items: st.SearchStrategy[T], limit: int = 3) -> st.SearchStrategy[tuple[T, ...]]:
     return st.lists(items, max_size=limit).map(tuple)
 
@@ -150,17 +159,19 @@ def components() -> st.SearchStrategy[Component]:
     }
     placed = {**about, 'placement': placements()}
     return st.one_of(
-        st.builds(Contact, operand=operands(), kind=st.sampled_from(ContactKind), **placed),
-        st.builds(Coil, operand=operands(), kind=st.sampled_from(CoilKind), **placed),
+        st.builds(Contact, operand=operands(), kind=st.sampled_from(ContactKind), was=places(),
+                  **placed),
+        st.builds(Coil, operand=operands(), kind=st.sampled_from(CoilKind), was=places(),
+                  **placed),
         st.builds(Row, **placed),
         st.builds(Column, placement=placements(is_column=True), **about),
         st.builds(
             Block, type=names(), instance=st.one_of(st.just(''), names()),
             inputs=_few(arguments('operand', 'source', 'row')),
-            outputs=_few(arguments('operand', 'row')), **placed),
+            outputs=_few(arguments('operand', 'row')), was=places(), **placed),
         st.builds(
             Instance, composite=names(), instance=names(),
-            arguments=_few(arguments('operand', 'source')), **placed),
+            arguments=_few(arguments('operand', 'source')), was=places(members=True), **placed),
     )
 
 
@@ -179,7 +190,8 @@ def variables(draw: st.DrawFn, *, in_composite: bool = False) -> Variable:
     class_ = st.just(VariableClass.LOCAL) if in_composite else st.sampled_from(VariableClass)
     return Variable(
         name=draw(names()), type=type_, variable_class=draw(class_), initial=draw(values(type_)),
-        retain=draw(st.booleans()), address=draw(address), comment=draw(texts()))
+        retain=draw(st.booleans()), address=draw(address), was=draw(places()),
+        comment=draw(texts()))
 
 
 @st.composite
@@ -210,9 +222,13 @@ def bodies() -> st.SearchStrategy[Body]:
 
 def tasks() -> st.SearchStrategy[Task]:
     """Generate tasks."""
-    return st.builds(
-        Task, name=names(), interval=st.integers(1, TIME_RANGE[1]),
-        priority=st.integers(0, NUMBER_LIMIT))
+    about = {
+        'name': names(), 'priority': st.integers(0, NUMBER_LIMIT),
+        'watchdog': st.integers(0, TIME_RANGE[1]), 'sensitivity': st.integers(1, NUMBER_LIMIT)}
+    interval = st.integers(1, TIME_RANGE[1])
+    return st.one_of(
+        st.builds(Task, interval=interval, **about),
+        st.builds(Task, interval=st.one_of(st.just(0), interval), single=names(), **about))
 
 
 def programs() -> st.SearchStrategy[Program]:

@@ -350,7 +350,7 @@ def test_reload_when_the_file_has_changed_then_state_is_kept_and_no_scan_is_lost
     bench.run(1)
     more = VARIABLES + '<variable name="extra" type="REAL"/>'
     program.write_text(text(SEAL_IN, TIMER, variables=more.replace('"ratio" type="INT"',
-                                                                   '"ratio" type="DINT"')))
+                                                                   '"ratio" type="SINT"')))
     change = bench.session.reload()
     bench.run(1)
     assert times == [0, 10, 20, 30]

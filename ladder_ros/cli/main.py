@@ -22,7 +22,7 @@ from textwrap import fill
 import traceback
 
 import ladder_ros
-from ladder_ros.cli import check, dump, export, show, simulate, terminal
+from ladder_ros.cli import check, dump, export, record, replay, show, simulate, terminal
 from ladder_ros.cli.verb import (
     Answer,
     BROKEN_PIPE,
@@ -36,7 +36,8 @@ from ladder_ros.cli.verb import (
 from ladder_ros.diagnostics import InternalError, LadderError, render
 
 VERBS: Mapping[str, Verb] = {
-    module.VERB.name: module.VERB for module in (check, show, dump, simulate, export)
+    module.VERB.name: module.VERB for module in (
+        check, show, dump, simulate, export, record, replay)
 }
 """The verbs by name, in the order in which they are useful."""
 

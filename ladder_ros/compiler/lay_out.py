@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+from ladder_ros.compiler.history import earlier_paths
 from ladder_ros.compiler.il import active_flag, Instruction, InstructionList, Op
 from ladder_ros.compiler.stub_blocks import STUB
 from ladder_ros.compiler.symbols import Element, pou_key, Ref, Scope, Symbols
@@ -45,7 +46,11 @@ def lay_out(program: Program, symbols: Symbols, code: InstructionList) -> tuple[
             call = instruction.call
             if instruction.op is Op.RUN and call is not None:
                 layout.add_instance(f'{call.instance}.', composites[call.name.casefold()])
-    return tuple(layout.slots.values())
+    slots = tuple(layout.slots.values())
+    history = earlier_paths(program)
+    if history is None:
+        return slots
+    return tuple(replace(slot, was=history.of(slot.path)) for slot in slots)
 
 
 def _io_class(variable: Variable) -> SlotClass:
@@ -66,13 +71,14 @@ class _Layout:
 
     def add(
         self, path: str, type_: DataType, slot_class: SlotClass, initial: Value,
-        identity: str = '',
+        identity: str = '', quiet: Value | None = None, senses: str = '', negated: bool = False,
     ) -> None:
         key = path.casefold()
         if key not in self.slots:
             self.slots[key] = Slot(
                 index=len(self.slots), path=path, type=type_, slot_class=slot_class,
-                initial=initial, identity=identity or type_.value)
+                initial=initial, identity=identity or type_.value, quiet=quiet, senses=senses,
+                negated=negated)
 
     def add_variable(
         self, prefix: str, variable: Variable | Parameter, slot_class: SlotClass,
@@ -111,7 +117,8 @@ class _Layout:
         for pin in kind.state:
             assert isinstance(pin.type, DataType) and pin.default is not None
             self.add(f'{instance}.{pin.name}', pin.type, SlotClass.BLOCK, pin.default,
-                     f'{kind.name}.{pin.name}:{pin.type}')
+                     f'{kind.name}.{pin.name}:{pin.type}',
+                     quiet=True if _is_edge_memory(kind.name, pin.name) else None)
         if self.keeps_inputs:
             for pin in kind.inputs:
                 assert isinstance(pin.type, DataType)
@@ -123,8 +130,13 @@ class _Layout:
         """Add the memories and hidden variables that an instruction needs."""
         if instruction.memory is not None:
             # An edge of another variable is another memory: it must not survive an online change.
-            self.add(instruction.memory.path, DataType.BOOL, SlotClass.EDGE, False,
-                     f'{instruction.op.value[-1]} edge of {instruction.operand}'.casefold())
+            # What a contact senses is a variable; a coil senses power, which nobody knows yet.
+            sensed = instruction.operand if instruction.op not in (Op.STP, Op.STF) else None
+            self.add(
+                instruction.memory.path, DataType.BOOL, SlotClass.EDGE, False,
+                f'{instruction.op.value[-1]} edge of {instruction.operand}'.casefold(), quiet=True,
+                senses=sensed.path if isinstance(sensed, Ref) else '',
+                negated=instruction.op.value[-1] == 'F')
         for target in (instruction.target, instruction.operand):
             if isinstance(target, Ref) and '%data' in target.path:
                 self.add(target.path, target.type, SlotClass.SYSTEM, default_value(target.type))
@@ -135,9 +147,16 @@ class _Layout:
             if not isinstance(target, Element) and not target.path.startswith('%T'):
                 self.add(target.path, target.type, SlotClass.SYSTEM, default_value(target.type))
         if instruction.op in (Op.EXE, Op.RUN):
-            self.add(active_flag(call.instance).path, DataType.BOOL, SlotClass.SYSTEM, False)
+            self.add(active_flag(call.instance).path, DataType.BOOL, SlotClass.SYSTEM, False,
+                     quiet=True)  # state that was moved in is released if it is not executed
         elif instruction.op is Op.CAL:
             self.add_block(call.instance, CATALOGUE[call.name])
+
+
+def _is_edge_memory(block: str, pin: str) -> bool:
+    """Say whether a hidden variable is there to find edges: TRUE in it gives no pulse."""
+    return pin in ('%memory', '%previous_cu', '%previous_cd') or (
+        block == 'TP' and pin == '%previous')
 
 
 def _instance_class(composite: Composite, variable: Variable | Parameter) -> SlotClass:

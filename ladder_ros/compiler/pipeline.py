@@ -14,12 +14,13 @@ from typing import TypeVar
 from ladder_ros.compiler.aov import Aov
 from ladder_ros.compiler.aov_to_tree import AccessKey, reduce_to_tree, sequence
 from ladder_ros.compiler.checks import check_coils, check_size
-from ladder_ros.compiler.il import active_flag, InstructionList, Network, Routine
+from ladder_ros.compiler.il import InstructionList, Network
 from ladder_ros.compiler.il_interpreter import interpret_il
 from ladder_ros.compiler.il_to_python import emit_python, load_python
 from ladder_ros.compiler.il_verify import verify_il
 from ladder_ros.compiler.imported import is_imported, lowering_of, needed_pous, unsupported_bodies
 from ladder_ros.compiler.inline_composites import expand_inline
+from ladder_ros.compiler.inventory import list_routines, list_rungs, list_tasks
 from ladder_ros.compiler.lay_out import lay_out
 from ladder_ros.compiler.link import link_code, list_components
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
@@ -33,7 +34,7 @@ from ladder_ros.compiler.wires_to_aov import build_wired_aovs
 from ladder_ros.compiler.wiring import Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError, problem
-from ladder_ros.executable import Entry, Executable, RoutineEntry, Scan, Variant
+from ladder_ros.executable import Entry, Executable, Scan, Variant
 from ladder_ros.model.program import Body, CallKind, Pou, Program, RunKind
 
 _T = TypeVar('_T')
@@ -83,6 +84,7 @@ def compile_program(
     index = {path: slot.index for path, slot in by_path.items()}
     components = list_components(program, code, stages.graphs, by_path)
     component_index = {entry.path: entry.index for entry in components}
+    tasks = list_tasks(program, by_path)
 
     def build(variant: Variant) -> Mapping[str, Scan]:
         chosen = code
@@ -94,7 +96,8 @@ def compile_program(
         name=program.name, backend=backend, slots=slots, components=components,
         source_hash=source_hash, build=build,
         entries=tuple(_entry(program, body) for body in program.bodies), by_path=by_path,
-        routines=tuple(_routine_entry(routine, index) for routine in code.routines))
+        tasks=tasks, rungs=list_rungs(program),
+        routines=list_routines(code, index))
     return Compilation(
         executable=executable, diagnostics=stages.diagnostics + check_coils(code, components))
 
@@ -228,13 +231,7 @@ def _entry(program: Program, body: Body) -> Entry:
     task = tasks.get(body.task.casefold())
     return Entry(
         name=body.name, once=body.run is RunKind.ONCE, interval=task.interval if task else 0,
-        priority=task.priority if task else 0)
-
-
-def _routine_entry(routine: Routine, slots: Mapping[str, int]) -> RoutineEntry:
-    active = None if routine.is_body else slots[active_flag(routine.name).path.casefold()]
-    return RoutineEntry(name=routine.name, active=active,
-                        instructions=sum(len(network.code) for network in routine.networks))
+        priority=task.priority if task else 0, task=task.name if task else '')
 
 
 def _collect(results: Iterable[tuple[_T, tuple[Diagnostic, ...]]]) -> tuple[

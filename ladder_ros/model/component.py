@@ -6,6 +6,10 @@ A component is the six-tuple <Name, ID, PI, RI, Property, Specification>.  Here 
 fields; Property is `placement`, `comment` and what the kind adds (operand, instance, arguments);
 PI and RI, the provided and required interfaces, follow from kind and placement and are computed by
 :func:`provided` and :func:`required`, so that they cannot disagree with the drawing.
+
+``was`` says where the state of a component was in earlier programs, so that an online change can
+move it: the path of an instance, or of an edge contact or coil as ``pou/rung/id``; in an instance
+also ``member=path`` for what was not together before.
 """
 
 from __future__ import annotations
@@ -122,6 +126,7 @@ class Contact:
     placement: Placement
     operand: str
     kind: ContactKind = ContactKind.NORMALLY_OPEN
+    was: tuple[str, ...] = ()
     name: str = ''
     comment: str = ''
     specification: str = ''
@@ -136,6 +141,7 @@ class Coil:
     placement: Placement
     operand: str
     kind: CoilKind = CoilKind.COIL
+    was: tuple[str, ...] = ()
     name: str = ''
     comment: str = ''
     specification: str = ''
@@ -182,6 +188,7 @@ class Block:
     outputs: tuple[Argument, ...] = ()
     modifiers: tuple[PinModifier, ...] = ()
     statements: tuple[Statement, ...] = ()
+    was: tuple[str, ...] = ()
     name: str = ''
     comment: str = ''
     specification: str = ''
@@ -198,6 +205,7 @@ class Instance:
     instance: str
     arguments: tuple[Argument, ...] = ()
     modifiers: tuple[PinModifier, ...] = ()
+    was: tuple[str, ...] = ()
     name: str = ''
     comment: str = ''
     specification: str = ''

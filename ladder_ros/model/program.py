@@ -48,7 +48,10 @@ class CallKind(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Variable:
-    """A declared variable; ``initial`` is a value of ``type``."""
+    """A declared variable; ``initial`` is a value of ``type``.
+
+    ``was`` are the paths that it had in earlier programs: an online change moves its value.
+    """
 
     name: str
     type: Type
@@ -57,6 +60,7 @@ class Variable:
     retain: bool = False
     constant: bool = False
     address: str = ''
+    was: tuple[str, ...] = ()
     comment: str = ''
     location: Location = Location()
 
@@ -171,11 +175,19 @@ class Body:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Task:
-    """A periodic task; ``interval`` in nanoseconds; a smaller ``priority`` runs first."""
+    """A task (IEC 61131-3, 6.8.2); a smaller ``priority`` runs first; times in nanoseconds.
+
+    It runs every ``interval`` (0: never by time) and at each rising edge of the variable
+    ``single``; with both, by time only while ``single`` is FALSE.  So many executions in a row
+    as ``sensitivity`` says that each take longer than ``watchdog`` (0: no limit) are a fault.
+    """
 
     name: str
-    interval: int
+    interval: int = 0
     priority: int = 0
+    single: str = ''
+    watchdog: int = 0
+    sensitivity: int = 1
     location: Location = Location()
 
 

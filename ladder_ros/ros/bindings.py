@@ -2,11 +2,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """The live publishers and subscriptions of a program's I/O map.
 
-Two threads meet here.  The callback thread receives messages and changes the bindings; all it does
-with a value is to store it into the pending input image.  The scan thread calls ``after_scan``,
-which publishes outputs and watches over the age of inputs.  By which plan it goes depends on the
-executable that has run, so that a scan never meets the slots of another program; what belongs to a
-topic and not to a program (what was sent last, when the last message came) is shared by the plans.
+Two threads meet here.  The callback thread receives messages and makes and destroys entities; all
+it does with a value is to store it into the pending input image.  The scan thread calls
+``after_scan``, which publishes outputs and watches over the age of inputs.  By which plan it goes
+depends on the executable that has run, so that a scan never meets the slots of another program;
+what belongs to a topic and not to a program (what was sent last, when the last message came) is
+shared by the plans.  While a program is tried out, the plans of both are ready, and every value
+received is written to the variable of that name in whichever of the two runs: ``enter`` may switch
+back between two scans without a single entity being made.
 """
 
 from __future__ import annotations
@@ -14,8 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-import threading
-from typing import Any, Protocol
+from typing import Any
 
 from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
@@ -24,20 +26,8 @@ import std_msgs.msg
 
 from ladder_ros.executable import Executable
 from ladder_ros.model.types import Value
-from ladder_ros.ros.conversions import Misfit
 from ladder_ros.ros.io_map import Endpoint, InputPoint, IoMap, OutputPoint
-
-_NOTHING = object()
-
-
-class Write(Protocol):
-    """Store a value into the pending input image, from any thread."""
-
-    def __call__(
-        self, index: int, value: Value, *, catch_pulse: bool = False,
-        of: Executable | None = None,
-    ) -> None:
-        """Store the value for the slot ``index`` of the executable ``of``."""
+from ladder_ros.ros.reception import Input, NOTHING, Reception, Source, Write
 
 
 def make_qos(endpoint: Endpoint) -> QoSProfile:
@@ -50,109 +40,13 @@ def make_qos(endpoint: Endpoint) -> QoSProfile:
         durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE)
 
 
-@dataclass(slots=True, eq=False)
-class Reception:
-    """What came in for one variable on one topic, and how fresh it is.
-
-    ``received`` counts good messages; ``seen`` of them the scan thread knows; ``fresh_at`` is scan
-    time in ns, None before the first scan after a start.  Under ``lock``, a value received goes
-    into the image as one step with its being noted here.
-    """
-
-    value: Value | None = None
-    received: int = 0
-    rejected: int = 0
-    seen: int = 0
-    fresh_at: int | None = None
-    stale: bool = False
-    lock: threading.Lock = field(default_factory=threading.Lock)
-
-
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Input:
-    """One variable that a subscription feeds."""
-
-    point: InputPoint
-    state: Reception
-
-    def receive(self, data: Any, write: Write) -> None:
-        """Take a message's field; a value that the variable cannot hold is counted only."""
-        state = self.state
-        value = self.point.conversion.decode(data)
-        if isinstance(value, Misfit):
-            state.rejected += 1
-            return
-        with state.lock:
-            state.value = value
-            state.received += 1
-            write(self.point.slot.index, value, catch_pulse=self.point.catch_pulse)
-
-    def begin(self, now: int, write: Write) -> None:
-        """Bring the program up to date: it is started or has just been put in place."""
-        state = self.state
-        with state.lock:
-            if state.fresh_at is None:
-                state.fresh_at = now
-            value = self.point.fallback if state.stale else None
-            value = state.value if value is None else value
-            # A start takes every variable but those of class input back to its initial value.
-            if value is not None and not self.point.catch_pulse:
-                write(self.point.slot.index, value)
-            self._tell(write)
-
-    def watch(self, now: int, write: Write) -> None:
-        """Notice after a scan at ``now`` that messages stay away, or come again."""
-        state = self.state
-        if state.received != state.seen:
-            state.seen = state.received
-            state.fresh_at = now
-            if not state.stale:
-                return
-            with state.lock:
-                state.stale = False
-                if state.value is not None:  # the fallback may have been written over it
-                    write(self.point.slot.index, state.value)
-                self._tell(write)
-        elif state.fresh_at is None:
-            state.fresh_at = now
-        elif not state.stale and now - state.fresh_at >= self.point.timeout:
-            with state.lock:
-                if state.received != state.seen:
-                    return  # just in time
-                state.stale = True
-                if self.point.fallback is not None:
-                    write(self.point.slot.index, self.point.fallback)
-                self._tell(write)
-
-    def _tell(self, write: Write) -> None:
-        """Bring the stale contact up to date."""
-        if self.point.stale is not None:
-            write(self.point.stale.index, self.state.stale)
-
-
-@dataclass(slots=True, eq=False, kw_only=True)
-class Source:
-    """A subscription and the variables that it feeds."""
-
-    endpoint: Endpoint
-    subscription: Any = None
-    inputs: tuple[Input, ...] = ()
-    last: Any = _NOTHING
-
-    def receive(self, data: Any, write: Write) -> None:
-        """Hand a message's field to every variable."""
-        self.last = data
-        for item in self.inputs:
-            item.receive(data, write)
-
-
 @dataclass(slots=True, eq=False, kw_only=True)
 class Channel:
     """A publisher; ``sent`` is the value that the topic has now."""
 
     publisher: Any
     message: Any
-    sent: Any = _NOTHING
+    sent: Any = NOTHING
     count: int = 0
     saturated: int = 0
     failed: int = 0
@@ -187,14 +81,17 @@ class Output:
         return self.point.every_scan or (value != sent and (value == value or sent == sent))
 
 
+InputKey = tuple[Endpoint, str]
+"""What makes two programs' inputs the same one: the endpoint, and ``path:type``."""
+
+
 @dataclass(slots=True, eq=False, kw_only=True)
 class Plan:
     """All bindings of one executable."""
 
     executable: Executable | None = None
-    write: Write
     sources: dict[Endpoint, Source] = field(default_factory=dict)
-    inputs: dict[tuple[Endpoint, str], Input] = field(default_factory=dict)
+    inputs: dict[InputKey, Input] = field(default_factory=dict)
     outputs: dict[Endpoint, Output] = field(default_factory=dict)
     watched: tuple[Input, ...] = ()
     begun: bool = False
@@ -212,17 +109,26 @@ class Changes:
     created: int
     destroyed: int
 
+    def to_json(self) -> dict[str, int]:
+        """Return the numbers as plain JSON data."""
+        return {'kept': self.kept, 'created': self.created, 'destroyed': self.destroyed}
+
 
 class Bindings:
-    """The bindings of the program that runs; changed by prepare, then commit or abandon."""
+    """The bindings of the program that runs, and of one that is ready to take its place.
+
+    A change is: ``prepare``, then ``enter`` while no scan runs, then ``settle``; ``settle`` alone
+    gives up what was prepared.
+    """
 
     def __init__(self, node: Any, write: Write, warn: Callable[[str], None]) -> None:
         """Start without any; ``warn`` gets sentences for the log."""
         self._node = node
         self._write = write
         self._warn = warn
-        self._plan = Plan(write=write)
+        self._plan = Plan()
         self._plans: dict[int, Plan] = {}
+        self._settled: set[Endpoint] = set()
         self.mismatches: dict[str, str] = {}
         """Incompatible policies by topic."""
 
@@ -231,71 +137,80 @@ class Bindings:
         """The bindings of the program that runs."""
         return self._plan
 
-    # Changing the program (callback thread)
+    # Changing the program
 
     def prepare(self, executable: Executable, io_map: IoMap) -> Plan:
-        """Create what the program needs and the present one has not; nothing else changes.
+        """Create what the program needs and the present ones have not (callback thread).
 
-        The plan is used as soon as a scan of ``executable`` has run.
+        The plan is used as soon as it is entered.
         """
-        plan = Plan(executable=executable, write=partial(self._write, of=executable))
+        if id(executable) in self._plans:
+            return self._plans[id(executable)]
+        plan = Plan(executable=executable)
         try:
             for point in io_map.inputs:
-                self._add_input(plan, point)
+                self._add_input(plan, point, partial(self._write, of=executable))
             for output in io_map.outputs:
                 plan.outputs[output.endpoint] = Output(
                     point=output, channel=self._channel(output.endpoint))
         except Exception:
-            self._destroy(plan, keep=self._plan)
+            self._destroy([plan])
             raise
         plan.watched = tuple(item for item in plan.inputs.values() if item.point.timeout)
         self._plans[id(executable)] = plan
+        self._feed()
         return plan
 
-    def commit(self, plan: Plan) -> Changes:
-        """Go over to a prepared plan, whose program runs now, and destroy what it does not use.
+    def enter(self, executable: Executable) -> None:
+        """Go over to the plan of this executable, whose next scan is its first one.
 
-        An output that is no more leaves its safe value behind.
+        For any thread while no scan runs.  Nothing happens if it has no plan, or runs already.
+        An output that the program does not have leaves its safe value behind.
         """
-        old, self._plan = self._plan, plan
-        for endpoint, source in plan.sources.items():
-            source.inputs = tuple(
-                item for (place, _path), item in plan.inputs.items() if place == endpoint)
-            for item in source.inputs:
-                # Nobody may send it again to a variable that is new on this topic.
-                if item.state.value is None and source.last is not _NOTHING:
-                    item.receive(source.last, self._write)
+        plan = self._plans.get(id(executable))
+        if plan is None or plan is self._plan:
+            return
+        before, self._plan = self._plan, plan
+        plan.begun = False
+        for item in plan.inputs.values():
+            item.enter()
         self._publish_safe(
-            output for endpoint, output in old.outputs.items() if endpoint not in plan.outputs)
-        self._destroy(old, keep=plan)
-        if old.executable is not None and old.executable is not plan.executable:
-            self._plans.pop(id(old.executable), None)
-        before, after = old.entities(), plan.entities()
-        return Changes(
-            kept=len(before & after), created=len(after - before), destroyed=len(before - after))
+            output for endpoint, output in before.outputs.items() if endpoint not in plan.outputs)
 
-    def abandon(self, plan: Plan) -> None:
-        """Destroy what was created for a plan that is not wanted after all."""
-        self._plans.pop(id(plan.executable), None)
-        self._destroy(plan, keep=self._plan)
+    def settle(self, *wanted: Executable) -> Changes:
+        """Forget all plans but the present one and those of ``wanted`` (callback thread).
+
+        Destroys what the others alone used; returns what has changed since this was called last.
+        """
+        kept = {id(executable) for executable in wanted} | {id(self._plan.executable)}
+        dropped = [plan for key, plan in self._plans.items() if key not in kept]
+        self._plans = {key: plan for key, plan in self._plans.items() if key in kept}
+        self._destroy(dropped)
+        self._feed()
+        before, self._settled = self._settled, self._used()
+        return _changes(before, self._settled)
+
+    def preview(self, io_map: IoMap) -> Changes:
+        """Return what putting a program with this map in place would do to the topics."""
+        return _changes(self._settled, {
+            *(point.endpoint for point in io_map.inputs),
+            *(point.endpoint for point in io_map.outputs)})
 
     def close(self) -> None:
-        """Destroy everything."""
-        self._plans = {}
-        nothing = Plan(write=self._write)
-        self._destroy(self._plan, keep=nothing)
-        self._plan = nothing
+        """Destroy everything; the outputs have their safe values if the program has stopped."""
+        self._plan = Plan()
+        self.settle()
 
     def poll(self) -> None:
         """Receive what has arrived: for while the callback thread is busy with something long."""
-        for source in self._plan.sources.values():
+        for source in self._sources().values():
             subscription = source.subscription
             with subscription.handle:
                 for _ in range(source.endpoint.depth):
                     taken = subscription.handle.take_message(subscription.msg_type, False)
                     if taken is None:
                         break
-                    source.receive(taken[0].data, self._write)
+                    source.receive(taken[0].data)
 
     # After each scan (scan thread)
 
@@ -311,9 +226,9 @@ class Bindings:
         if not plan.begun:
             plan.begun = True
             for item in plan.inputs.values():
-                item.begin(now, plan.write)
+                item.begin(now)
         for item in plan.watched:
-            item.watch(now, plan.write)
+            item.watch(now)
 
     # While no scan runs
 
@@ -347,14 +262,37 @@ class Bindings:
             if safe is not None and output.channel.sent != safe:
                 output.publish(safe)
 
-    def _add_input(self, plan: Plan, point: InputPoint) -> None:
+    def _sources(self) -> dict[Endpoint, Source]:
+        """Return the subscriptions of all plans."""
+        return {endpoint: source for plan in self._plans.values()
+                for endpoint, source in plan.sources.items()}
+
+    def _feed(self) -> None:
+        """Tell each subscription whom it feeds: a variable of both programs only once.
+
+        It is written by its name if the other program runs, so either will do; the present one's
+        is quicker.
+        """
+        fed: dict[Endpoint, dict[str, Input]] = {}
+        for plan in [*self._plans.values(), self._plan]:
+            for (endpoint, name), item in plan.inputs.items():
+                fed.setdefault(endpoint, {})[name] = item
+        for endpoint, source in self._sources().items():
+            source.inputs = tuple(fed[endpoint].values())
+
+    def _add_input(self, plan: Plan, point: InputPoint, write: Write) -> None:
         endpoint = point.endpoint
-        if endpoint not in plan.sources:
-            present = self._plan.sources.get(endpoint)
-            plan.sources[endpoint] = present or self._subscribe(endpoint)
+        source = plan.sources.get(endpoint) or self._sources().get(endpoint)
+        if source is None:
+            source = self._subscribe(endpoint)
+        plan.sources[endpoint] = source
         key = (endpoint, f'{point.slot.path.casefold()}:{point.slot.type}')
-        old = self._plan.inputs.get(key)
-        plan.inputs[key] = Input(point=point, state=old.state if old else Reception())
+        known = next((other.inputs[key] for other in self._plans.values() if key in other.inputs),
+                     None)
+        plan.inputs[key] = Input(
+            point=point, state=known.state if known else Reception(), write=write)
+        if source.last is not NOTHING:  # nobody may send it again
+            plan.inputs[key].recall(source.last)
 
     def _subscribe(self, endpoint: Endpoint) -> Source:
         source = Source(endpoint=endpoint)
@@ -362,14 +300,14 @@ class Bindings:
             incompatible_qos=lambda event: self._mismatch(endpoint, event))
         source.subscription = self._node.create_subscription(
             getattr(std_msgs.msg, endpoint.message), endpoint.topic,
-            lambda message: source.receive(message.data, self._write),
+            lambda message: source.receive(message.data),
             make_qos(endpoint), event_callbacks=events)
         return source
 
     def _channel(self, endpoint: Endpoint) -> Channel:
-        present = self._plan.outputs.get(endpoint)
-        if present is not None:
-            return present.channel
+        for plan in self._plans.values():
+            if endpoint in plan.outputs:
+                return plan.outputs[endpoint].channel
         message = getattr(std_msgs.msg, endpoint.message)
         events = PublisherEventCallbacks(
             incompatible_qos=lambda event: self._mismatch(endpoint, event))
@@ -388,11 +326,21 @@ class Bindings:
         self._warn(f'a {other} of {endpoint.full_topic} has an incompatible quality of service '
                    f'({policy}): no message passes between the two{advice}')
 
-    def _destroy(self, plan: Plan, keep: Plan) -> None:
-        """Destroy the entities of a plan that another one does not use."""
-        for endpoint, source in plan.sources.items():
-            if endpoint not in keep.sources:
-                self._node.destroy_subscription(source.subscription)
-        for endpoint, output in plan.outputs.items():
-            if endpoint not in keep.outputs:
-                self._node.destroy_publisher(output.channel.publisher)
+    def _used(self) -> set[Endpoint]:
+        return set[Endpoint]().union(*(plan.entities() for plan in self._plans.values()))
+
+    def _destroy(self, dropped: Iterable[Plan]) -> None:
+        """Destroy the entities of plans that no present plan uses."""
+        used = self._used()
+        for plan in dropped:
+            for endpoint in plan.entities() - used:
+                used.add(endpoint)  # another dropped plan may have it too
+                if endpoint in plan.sources:
+                    self._node.destroy_subscription(plan.sources[endpoint].subscription)
+                else:
+                    self._node.destroy_publisher(plan.outputs[endpoint].channel.publisher)
+
+
+def _changes(before: set[Endpoint], after: set[Endpoint]) -> Changes:
+    return Changes(
+        kept=len(before & after), created=len(after - before), destroyed=len(before - after))

@@ -24,7 +24,8 @@ from ladder_ros.ros.conversions import (
 )
 from ladder_ros.ros.parameters import did_you_mean, IoEntry, parameter_place, Raw
 
-RESERVED_TOPICS = ('~/state', '~/change', '~/monitor', '/diagnostics')
+RESERVED_TOPICS = ('~/state', '~/change', '~/shadow', '~/monitor', '~/transition_event',
+                   '/diagnostics')
 """Topics of the node itself."""
 
 ResolveTopic = Callable[[str], str]

@@ -41,11 +41,14 @@ Source a ROS 2 installation (source /opt/ros/jazzy/setup.bash), or install them 
 def usage() -> str:
     """Return the help text."""
     lines = [USAGE, 'parameters (-p name:=value, or a YAML file):']
-    lines += [f'  {rule.name:<16} {rule.description}' for rule in RULES]
+    lines += [f'  {rule.name:<21} {rule.description}' for rule in RULES]
     lines += ['', 'the I/O map, one entry a variable:']
     lines += [f'  io.<variable>.{rule.name:<12} {rule.description}' for rule in IO_RULES]
-    lines += ['', 'services (std_srvs/srv/Trigger): ~/reload ~/start ~/stop ~/reset',
-              'topics: ~/state (std_msgs/msg/String, JSON), /diagnostics']
+    lines += ['', 'services (std_srvs/srv/Trigger): ~/reload ~/preflight ~/test ~/untest ~/accept',
+              '  ~/shadow ~/end_shadow ~/start ~/stop ~/reset ~/record ~/end_record,',
+              'and those of a managed node (ros2 lifecycle)',
+              'topics: ~/state ~/change ~/shadow ~/monitor (std_msgs/msg/String, JSON),',
+              '  /diagnostics']
     return '\n'.join(lines)
 
 
@@ -80,6 +83,8 @@ def _run(arguments: list[str], stop: threading.Event) -> int:
     from rclpy.signals import SignalHandlerOptions
     from rclpy.utilities import remove_ros_args
 
+    from ladder_ros.ros.lifecycle import make_node
+
     try:
         plain = remove_ros_args(arguments)[1:]
     except Exception as error:  # bad ROS arguments or parameter file
@@ -89,7 +94,7 @@ def _run(arguments: list[str], stop: threading.Event) -> int:
         return _refuse(f'plc_node does not understand {wrong!r}; try plc_node --help')
     try:
         rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
-        node = rclpy.create_node('plc_node')
+        node = make_node('plc_node')
     except Exception as error:  # a bad name, no middleware
         rclpy.try_shutdown()
         return _refuse(f'plc_node cannot start: {_sentence(error)}')

@@ -25,8 +25,14 @@ Raw = bool | int | float | str
 """A scalar as it stands in a parameter file."""
 
 IO_PREFIX = 'io'
+CHANGE_PREFIX = 'change'
+MONITOR_PREFIX = 'monitor'
 QOS_NAMES = ('default', 'sensor_data', 'latched')
 PUBLISH_NAMES = ('change', 'scan')
+START_NAMES = ('warm', 'cold')
+RESET_NAMES = ('cold', 'warm', 'origin')
+WATCH_NAMES = ('outputs', 'all')
+AUTO = 'auto'
 
 # Names that every node has, or that belong to the middleware; no warning for these.
 FOREIGN = ('use_sim_time', 'start_type_description_service', 'qos_overrides', 'diagnostic_updater')
@@ -64,12 +70,43 @@ RULES: tuple[Rule, ...] = (
     Rule(name='backend', kind=str, default=DEFAULT_BACKEND, choices=tuple(BACKENDS), description=(
         f'What executes the compiled program: {" or ".join(BACKENDS)}.')),
     Rule(name='autostart', kind=bool, default=True, description=(
-        'Whether scanning starts with the node; otherwise call ~/start.')),
+        'Whether the node configures and activates itself, so that scanning starts with it; '
+        'otherwise a lifecycle manager does that, or ~/start.')),
+    Rule(name='start', kind=str, default='warm', choices=START_NAMES, read_only=False,
+         description='What an activation keeps. warm: retained variables; cold: nothing.'),
+    Rule(name='reset', kind=str, default='cold', choices=RESET_NAMES, read_only=False,
+         description='What ~/reset does. warm: initial values but for retained variables; cold: '
+                     'these too; origin: what is saved of them and the program go as well.'),
     Rule(name='forces', kind=list, default=[], read_only=False, description=(
         "Variables held at a value whatever the program does: a list of name=value; [''] for "
         'none.')),
     Rule(name='status_period', kind=float, default=1.0, low=0.1, high=3600.0, description=(
         'Seconds between messages on ~/state while nothing changes.')),
+    Rule(name='candidate', kind=str, default='', read_only=False, description=(
+        'The program that ~/preflight, ~/test and ~/shadow are about, named as in program; empty: '
+        'the file of the running program.')),
+    Rule(name='change.timeout', kind=float, default=60.0, low=0.1, high=86400.0, read_only=False,
+         description='Seconds after which a program in test is taken back unless accepted.'),
+    Rule(name='change.overrun_limit', kind=int, default=10, low=0, high=1_000_000,
+         read_only=False, description=(
+             'A program in test, or run as a shadow, is taken back after more overruns.')),
+    Rule(name='change.shadow_watch', kind=str, default='outputs', choices=WATCH_NAMES,
+         read_only=False, description='What a shadow run compares: outputs, or all variables.'),
+    Rule(name='monitor.pou', kind=str, default='', read_only=False, description=(
+        'What ~/monitor shows: a body by its name, or an instance of a composite by its place '
+        '(main/3/i1); empty: the first body.')),
+    Rule(name='monitor.rate', kind=float, default=5.0, low=0.1, high=50.0, read_only=False,
+         description='Messages a second on ~/monitor while someone listens.'),
+    Rule(name='retain_file', kind=str, default=AUTO, description=(
+        'The file that keeps retained variables over a restart; empty: none; auto: '
+        'ROS_HOME/ladder_ros/<node>.retain.')),
+    Rule(name='retain_period', kind=float, default=1.0, low=0.05, high=3600.0, description=(
+        'Seconds between savings of retained variables while they change.')),
+    Rule(name='record_folder', kind=str, default=AUTO, description=(
+        'The folder that recordings of ~/record lie in; auto: ROS_HOME/ladder_ros.')),
+    Rule(name='record_file', kind=str, default='', read_only=False, description=(
+        'The file name of the next recording of ~/record; empty: node and time. If it is set at '
+        'the start, recording begins with the first scan.')),
 )
 """The parameters but for the I/O map, in the order they are shown."""
 
@@ -131,6 +168,7 @@ class Declaration:
 class Settings:
     """All that the user set, checked; ``scan_period`` in ns or None, ``status_period`` in s.
 
+    ``values`` has every parameter but those of the I/O map by its name, as given or its default;
     ``io`` holds the entries of the I/O map by the variable's casefolded name.
     """
 
@@ -141,6 +179,7 @@ class Settings:
     autostart: bool
     status_period: float
     forces: tuple[str, ...]
+    values: Mapping[str, Any]
     io: Mapping[str, IoEntry]
     declarations: tuple[Declaration, ...]
 
@@ -169,9 +208,17 @@ def read_settings(overrides: Mapping[str, Any]) -> tuple[Settings, tuple[Diagnos
         program=values['program'], program_folders=tuple(values['program_folders']),
         scan_period=round(values['scan_period'] * NS_PER_S) or None, backend=values['backend'],
         autostart=values['autostart'], status_period=values['status_period'],
-        forces=tuple(values['forces']), io=entries, declarations=(*declarations, *io_declarations),
+        forces=tuple(values['forces']), values=values, io=entries,
+        declarations=(*declarations, *io_declarations),
     )
     return settings, tuple(found)
+
+
+def check_parameter(name: str, value: Any) -> tuple[Any, tuple[Diagnostic, ...]]:
+    """Check a new value of a parameter (not of the I/O map), and return it in its type."""
+    found: list[Diagnostic] = []
+    rule = next(rule for rule in RULES if rule.name == name)
+    return _checked(name, value, rule, found), tuple(found)
 
 
 def _read_io(
@@ -217,7 +264,7 @@ def _checked(name: str, value: Any, rule: Rule, found: list[Diagnostic]) -> Any:
         fits = type(value) in (bool, int, float, str)
     else:
         fits = type(value) is rule.kind
-    if fits and rule.kind is float:
+    if fits and rule.kind in (float, int):
         fits = math.isfinite(value) and (rule.low or 0.0) <= value <= (rule.high or math.inf) \
             and not 0.0 < value < rule.least
     if fits and rule.choices:
@@ -236,6 +283,8 @@ def _expectation(rule: Rule) -> str:
     if rule.kind is float:
         zero, low = ('0, or ', rule.least) if rule.least else ('', rule.low)
         return f'write {zero}a number from {low:g} to {rule.high:g}, for example 0.5'
+    if rule.kind is int:
+        return f'write a whole number from {rule.low:g} to {rule.high:.0f}'
     texts: dict[type, str] = {
         str: 'write a text; one that looks like a number needs quotation marks',
         bool: 'write true or false',

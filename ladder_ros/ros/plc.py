@@ -1,6 +1,6 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The controller on ROS 2: joins the session with topics, services, parameters and status.
+"""The controller on ROS 2: joins the session with topics, services, parameters and life cycle.
 
 Every method but the listener of the scan thread runs in one thread at a time: first the one that
 starts the node, then the callback thread, at last the one that stops it.
@@ -9,350 +9,468 @@ starts the node, then the callback thread, at last the one that stops it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-import gc
 from pathlib import Path
 import sys
-import threading
-import time
-from typing import Any, TypeVar
+from typing import Any
 
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rclpy.clock import Clock, ClockType
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock as ClockMessage
 
-from ladder_ros.diagnostics import LadderError, Location, render
-from ladder_ros.model.types import Value
-from ladder_ros.ros.bindings import Bindings
-from ladder_ros.ros.io_map import IoMap, resolve_io
-from ladder_ros.ros.parameters import Declaration, declare, parameter_place, Settings
+from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.ros.cell import Cell, Json, no_program
+from ladder_ros.ros.files import Recordings, retain_file
+from ladder_ros.ros.lifecycle import Lifecycle, Phase
+from ladder_ros.ros.live import error_text, LiveParameters, shown
+from ladder_ros.ros.loading import Prepared
+from ladder_ros.ros.monitor import Monitor, view
+from ladder_ros.ros.parameters import Declaration, Settings
 from ladder_ros.ros.program_source import first_program, next_program, ProgramFolders
 from ladder_ros.ros.reasons import reason_of
 from ladder_ros.ros.services import serve
 from ladder_ros.ros.sim_clock import RosTimeClock
-from ladder_ros.ros.status import diagnostic_tasks, io_counts, stale_inputs, StatusPublisher
-from ladder_ros.session import (
-    Change,
-    compile_file,
-    ControllerState,
-    find_slot,
-    Loaded,
-    parse_value,
-    ScanResult,
-    Session,
+from ladder_ros.ros.status import (
+    ChangePublisher,
+    diagnostic_tasks,
+    io_counts,
+    ShadowPublisher,
+    stale_inputs,
+    StatusPublisher,
 )
+from ladder_ros.session import Change, ControllerState, format_value, ScanResult, Session
 
-LOAD_SECONDS = 60.0
-POLL_SECONDS = 0.002
+HOUSEKEEPING = 0.05
+"""Seconds between looks at what happened in the scan thread."""
 QUICK_PERIOD = 10_000_000
 """Scan periods up to here, in ns, need other threads to give way sooner than Python's 5 ms."""
 SWITCH_INTERVAL = 0.0005
-SHOWN_NAMES = 100
-
-_T = TypeVar('_T')
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Prepared:
-    """A program that could be put in place at once: compiled, and its topics checked."""
-
-    path: Path
-    loaded: Loaded
-    io_map: IoMap
 
 
 class Plc:
     """A ladder program on topics."""
 
     def __init__(self, node: Any, settings: Settings) -> None:
-        """Make an empty controller on the node; :meth:`open` brings it to life."""
+        """Make an empty controller on a managed node; :meth:`open` brings it to life."""
         self._node = node
         self._log = node.get_logger()
         self._settings = settings
         self._sim_clock = self._follow_clock()
-        self._session = Session(clock=self._sim_clock, interval_ns=settings.scan_period)
-        self._bindings = Bindings(node, self._session.write_slot, self._log.warning)
-        self._session.add_listener(self._after_scan)
+        name = node.get_fully_qualified_name()
+        self._retain_file = retain_file(settings.values['retain_file'], name)
+        self._make_folder(self._retain_file)
+        self._recordings = Recordings(settings.values['record_folder'], name)
         self._folders = ProgramFolders(folders=())
-        self._path: Path | None = None
+        self._live = LiveParameters(
+            node, settings.values, self._checks(), self._actions(), self._note_error)
+        self._cell = self._new_cell()
+        self._wanted: Path | None = None
+        self._strict = True
         self._prepared: Prepared | None = None
-        self._worker: threading.Thread | None = None
-        self._forces = settings.forces
+        self._autostart = settings.autostart
+        self._record_at_start = settings.values['record_file']
         self._last_error = ''
         self._last_overruns = 0
+        self._lifecycle = Lifecycle(node, {
+            'configure': self._configure, 'activate': self._activate,
+            'deactivate': self._deactivate, 'cleanup': self._cleanup, 'shutdown': self._shutdown,
+        }, self._note_error)
+        self._monitor = Monitor(
+            node, lambda: self._cell.session, self._live['monitor.pou'],
+            self._live['monitor.rate'], self._note_error)
+        self._changes = ChangePublisher(node)
+        self._shadow = ShadowPublisher(node)
         self._status = StatusPublisher(node, self.state, self._tasks, settings.status_period)
+        node.create_timer(
+            HOUSEKEEPING, self._keep_house, clock=Clock(clock_type=ClockType.STEADY_TIME))
         serve(node, {
             'reload': self.reload, 'start': self.start, 'stop': self.stop, 'reset': self.reset,
-        }, self._note_error)
+            'preflight': self.preflight, 'test': self.test, 'untest': self.untest,
+            'accept': self.accept, 'shadow': self.shadow, 'end_shadow': self.end_shadow,
+            'record': self.record, 'end_record': self.end_record,
+        }, self._note_error, self._after_service)
+
+    @property
+    def cell(self) -> Cell:
+        """The present session on its topics."""
+        return self._cell
 
     # Starting and stopping
 
     def open(self) -> None:
-        """Load the first program and start it, declare the parameters.
+        """Check the first program and, with autostart, run it; declare the parameters.
 
         Raises LadderError if the program, the folders or the I/O map are wrong.
         """
         settings = self._settings
-        first = first_program(settings.program) if settings.program else None
-        self._folders = ProgramFolders.of(settings.program_folders, first)
-        if first is not None:
-            self._install(self._prepare(first, strict=True))
-        else:
+        self._wanted = first_program(settings.program) if settings.program else None
+        self._folders = ProgramFolders.of(settings.program_folders, self._wanted)
+        if self._wanted is None:
             self._log.warning(
                 'no program: start with --ros-args -p program:=FILE, or give one now with '
                 f'ros2 param set {self._node.get_fully_qualified_name()} program FILE '
                 f'(FILE in one of the program folders: {self._folders})')
-        declare(self._node, self._declarations(), _descriptor)
-        self._node.add_on_set_parameters_callback(self._on_set)
-        self._node.add_post_set_parameters_callback(self._on_post)
-        # A full collection holds up every thread, scans included, for 30 ms and more; nearly all
-        # that it would look at again and again are the modules, which are here to stay.
-        gc.collect()
-        gc.freeze()
-        if first is not None and settings.autostart:
-            self.start()
+        elif settings.autostart:
+            self._lifecycle.request('configure')
+        else:
+            self._cell.prepare(self._wanted, strict=True)  # to refuse it before anybody waits
+        self._live.declare(self._declarations())
+        if self._lifecycle.phase is Phase.INACTIVE and settings.autostart:
+            self._lifecycle.request('activate')
+        self._keep_house()
         self._status.publish()
 
     def close(self) -> None:
         """Stop scanning and leave the safe values of the outputs behind."""
-        self._session.stop()
-        self._bindings.publish_safe()
-        self._status.publish()
-        self._bindings.wait_for_delivery(0.5)
-        self._bindings.close()
+        if self._lifecycle.phase is not Phase.FINALIZED:
+            self._cell.session.stop()
+            self._cell.bindings.publish_safe()
+            self._status.publish()
+            self._cell.close()
 
-    # Services
+    def _new_cell(self) -> Cell:
+        session = Session(
+            clock=self._sim_clock, interval_ns=self._settings.scan_period,
+            retain_path=self._retain_file,
+            retain_period_s=self._settings.values['retain_period'])
+        session.add_listener(self._after_scan)
+        return Cell(self._node, session, self._settings, self._log.warning, self._resolve_topic)
 
-    def start(self) -> dict[str, object]:
-        """Start scanning from the initial state."""
-        if self._session.state is not ControllerState.RUNNING:
-            self._bindings.begin()
-        self._session.start()
-        if self._session.interval_ns <= QUICK_PERIOD:
-            sys.setswitchinterval(SWITCH_INTERVAL)
-        return self._told()
-
-    def stop(self) -> dict[str, object]:
-        """Stop scanning; the outputs take their safe values."""
-        self._session.stop()
-        self._bindings.publish_safe()
-        return self._told()
-
-    def reset(self) -> dict[str, object]:
-        """Clear a fault and every value; not while the program runs."""
-        self._session.reset()
-        self._last_error = ''
-        return self._told()
-
-    def reload(self) -> dict[str, object]:
-        """Read the present program's file again and go on with it, state kept."""
-        if self._path is None:
-            raise LadderError.of(
-                'L0508', Location(file='~/reload'), request='reloading', state='empty',
-                expected='set the parameter program first')
-        report = self._install(self._prepare(self._path, strict=False))
-        self._status.publish()
-        return {**report, **self._told()}
-
-    def _told(self) -> dict[str, object]:
-        self._status.publish()
-        return {'state': self._session.state.value}
-
-    # Loading
-
-    def _prepare(self, path: Path, *, strict: bool) -> Prepared:
-        """Compile a file and check its I/O map; the running program is not touched."""
-        loaded = self._in_background(
-            lambda: compile_file(str(path), self._settings.backend), str(path))
-        io_map = resolve_io(
-            loaded.executable, self._settings.io, self._resolve_topic, strict=strict)
-        return Prepared(path=path, loaded=loaded, io_map=io_map)
-
-    def _install(self, prepared: Prepared) -> dict[str, object]:
-        """Put a prepared program in place between two scans; return what happened."""
-        before = self._session.loaded
-        if before is not None and _key(before) == _key(prepared.loaded):
-            change, topics = self._session.commit(prepared.loaded), None
-        else:
-            plan = self._bindings.prepare(prepared.loaded.executable, prepared.io_map)
+    def _make_folder(self, path: Path | None) -> None:
+        """Make the folder of the retained values; what goes wrong, the first saving will say."""
+        if path is not None:
             try:
-                change = self._session.commit(prepared.loaded)
-            except Exception:
-                self._bindings.abandon(plan)
-                raise
-            topics = self._bindings.commit(plan)
-            if self._session.state is ControllerState.FAULTED:
-                self._bindings.publish_safe()
-        self._path, self._last_error = prepared.path, ''
-        warnings = [*prepared.loaded.diagnostics, *prepared.io_map.warnings]
-        for warning in warnings:
-            self._log.warning(str(warning))
-        self._log.info(
-            f'program {change.loaded.name} ({prepared.path}, {change.loaded.source_hash[:12]}): '
-            f'{len(prepared.io_map.inputs)} inputs, {len(prepared.io_map.outputs)} outputs')
-        if before is None:
-            self._apply_forces(self._forces)
-        return {
-            **change.to_json(), **_names(change),
-            'diagnostics': [warning.to_json() for warning in warnings[:SHOWN_NAMES]],
-            'topics': None if topics is None else {
-                'kept': topics.kept, 'created': topics.created, 'destroyed': topics.destroyed},
-        }
+                path.parent.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                self._log.warning(f'retained values cannot be kept: {error}')
 
-    def _in_background(self, work: Callable[[], _T], name: str) -> _T:
-        """Do something long in a thread of its own, and receive messages meanwhile."""
-        if self._worker is not None and self._worker.is_alive():
-            raise LadderError.of(
-                'L0610', Location(file=name), reason='another one is still being compiled',
-                expected='try again later')
-        results: list[_T] = []
-        errors: list[BaseException] = []
+    # Life cycle
 
-        def run() -> None:
-            try:
-                results.append(work())
-            except BaseException as error:  # raised again in the thread that waits
-                errors.append(error)
-
-        self._worker = threading.Thread(target=run, name='compile', daemon=True)
-        self._worker.start()
-        deadline = time.monotonic() + LOAD_SECONDS
-        while self._worker.is_alive():
-            self._worker.join(POLL_SECONDS)
-            self._bindings.poll()
-            if time.monotonic() > deadline:
-                raise LadderError.of(
-                    'L0610', Location(file=name),
-                    reason=f'it is not compiled after {LOAD_SECONDS:g} s',
-                    expected='make it smaller')
-        if errors:
-            raise errors[0]
-        return results[0]
-
-    def _resolve_topic(self, topic: str) -> str:
+    def _configure(self) -> None:
+        """Load the program."""
+        prepared, self._prepared = self._prepared, None
+        if prepared is None:
+            if self._wanted is None:
+                raise no_program('configuring')
+            prepared = self._cell.prepare(self._wanted, strict=self._strict)
         try:
-            return str(self._node.resolve_topic_name(topic))
-        except Exception as error:  # several classes, all of them say what is wrong
-            raise ValueError(reason_of(error)) from None
+            self._cell.install(prepared)
+            self._cell.apply_forces(self._live['forces'])
+        except Exception:
+            self._renew_cell()
+            raise
+        self._strict = False
+        self._loaded(prepared)
+
+    def _activate(self) -> None:
+        """Start scanning."""
+        self._autostart = False
+        if self._record_at_start:
+            name, self._record_at_start = self._record_at_start, ''
+            self._record(self._recordings.first(name))
+        self._cell.start(self._live['start'])
+        if self._cell.session.interval_ns <= QUICK_PERIOD:
+            sys.setswitchinterval(SWITCH_INTERVAL)
+
+    def _deactivate(self) -> None:
+        """Stop scanning."""
+        self._cell.stop()
+
+    def _cleanup(self) -> None:
+        """Unload the program."""
+        self._autostart = False
+        self._renew_cell()
+
+    def _shutdown(self) -> None:
+        """Stop for good."""
+        self._wanted = self._cell.path or self._wanted
+        self._cell.close()
+
+    def _renew_cell(self) -> None:
+        self._wanted = self._cell.path or self._wanted
+        self._keep_house()
+        self._cell.close()
+        self._cell = self._new_cell()
+
+    # Services: life
+
+    def start(self) -> Json:
+        """Configure if need be and activate: scan from the initial state."""
+        if self._lifecycle.phase is Phase.UNCONFIGURED:
+            self._lifecycle.request('configure')
+        if self._lifecycle.phase is not Phase.ACTIVE:
+            self._lifecycle.request('activate')
+        return {}
+
+    def stop(self) -> Json:
+        """Deactivate: stop scanning; the outputs take their safe values."""
+        if self._lifecycle.phase is Phase.ACTIVE:
+            self._lifecycle.request('deactivate')
+        elif self._cell.session.loaded is None:
+            raise no_program('stopping')
+        return {}
+
+    def reset(self) -> Json:
+        """Clear a fault and every value; not while the program runs."""
+        self._follow_fault()
+        kind = self._live['reset']
+        self._cell.session.reset(kind)
+        self._last_error = ''
+        if self._cell.session.state is ControllerState.EMPTY:
+            self._lifecycle.request('cleanup')
+        return {'kind': kind}
+
+    # Services: changing the program
+
+    def reload(self) -> Json:
+        """Read the present program's file again and go on with it, state kept."""
+        path = self._cell.path
+        if path is None:
+            raise no_program('reloading')
+        self._refuse_in_test('reloading')
+        prepared = self._cell.prepare(path)
+        report = self._cell.install(prepared)
+        self._loaded(prepared)
+        return report
+
+    def preflight(self) -> Json:
+        """Say what a test of the candidate would do, and keep it for the test."""
+        return self._cell.preflight(self._candidate_file('a preflight'))
+
+    def test(self) -> Json:
+        """Run the candidate in the place of the running program, for a while."""
+        return self._cell.test(
+            self._candidate_file('a test'), self._live['change.timeout'],
+            self._live['change.overrun_limit'])
+
+    def untest(self) -> Json:
+        """Go back to the program before the test, with its state."""
+        return self._cell.untest()
+
+    def accept(self) -> Json:
+        """Keep the program on test; it is the parameter ``program`` from now on."""
+        report = self._cell.accept()
+        self._live.tell('program', str(self._cell.path))
+        return report
+
+    def shadow(self) -> Json:
+        """Run the candidate beside the running program, outputs muted."""
+        return self._cell.shadow(
+            self._candidate_file('a shadow run'), self._live['change.overrun_limit'],
+            self._live['change.shadow_watch'])
+
+    def end_shadow(self) -> Json:
+        """End the shadow run; what it found stays in the state."""
+        status = self._cell.session.end_shadow()
+        return {} if status is None else dict(status.to_json())
+
+    def _candidate_file(self, request: str) -> Path:
+        if self._cell.path is None:
+            raise no_program(request)
+        if not self._live['candidate']:
+            return self._cell.path
+        return next_program(self._live['candidate'], self._folders, self._cell.path)
+
+    def _refuse_in_test(self, request: str) -> None:
+        if self._cell.session.in_test:
+            raise LadderError.of(
+                'L0520', Location(), request=request,
+                reason='a program is on test', expected='call ~/accept or ~/untest first')
+
+    # Services: recording
+
+    def record(self) -> Json:
+        """Record every scan into a file."""
+        path = self._recordings.path(self._live['record_file'])
+        self._record(path)
+        return {'path': str(path)}
+
+    def _record(self, path: Path) -> None:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise LadderError.of(
+                'L0507', Location(file=str(path)), reason=error.strerror or str(error)) from None
+        self._cell.session.record(path)
+
+    def end_record(self) -> Json:
+        """End the recording."""
+        summary = self._cell.session.end_record()
+        if summary is None:
+            raise LadderError.of(
+                'L0508', Location(), request='ending a recording',
+                state=self._cell.session.state.value, expected='call ~/record first')
+        return {**summary.to_json(), 'success': not summary.error}
+
+    def _after_service(self, report: Mapping[str, Any]) -> Json:
+        """Tell what has changed, and return what every answer of a service ends with."""
+        self._keep_house()
+        self._status.publish()
+        if report.get('error'):
+            self._last_error = str(report['error'])
+        return {'state': self._cell.session.state.value, 'lifecycle': self._lifecycle.phase.value}
 
     # Parameters
+
+    def _checks(self) -> dict[str, Callable[[Any], None]]:
+        return {
+            'program': self._check_program, 'candidate': self._check_candidate,
+            'forces': self._check_forces, 'monitor.pou': self._check_pou,
+            'record_file': lambda name: void(self._recordings.path(name)),
+        }
+
+    def _actions(self) -> dict[str, Callable[[Any], None]]:
+        return {
+            'program': lambda _name: self._change_program(),
+            'candidate': lambda _name: self._cell.forget_candidate(),
+            'forces': self._change_forces,
+            'monitor.pou': lambda pou: self._monitor.set_pou(pou),
+            'monitor.rate': lambda rate: self._monitor.set_rate(rate),
+        }
+
+    def _check_program(self, name: str) -> None:
+        """Compile, so that the change cannot fail any more."""
+        self._refuse_in_test('changing the program')
+        if self._lifecycle.phase is Phase.FINALIZED:
+            raise LadderError.of(
+                'L0508', Location(), request='changing the program',
+                state='finalized', expected='start the node again')
+        path = next_program(name, self._folders, self._cell.path or self._wanted)
+        self._prepared = self._cell.prepare(path)
+
+    def _change_program(self) -> None:
+        prepared = self._prepared
+        if prepared is None:
+            return
+        if self._lifecycle.phase is not Phase.UNCONFIGURED:
+            self._prepared = None
+            self._cell.install(prepared)
+            self._loaded(prepared)
+        else:
+            self._wanted = prepared.path
+            if self._autostart:
+                self._lifecycle.request('configure')
+                self._lifecycle.request('activate')
+            else:
+                self._prepared = None  # the file is read again when the node is configured
+        self._status.publish()
+
+    def _check_candidate(self, name: str) -> None:
+        if name:
+            next_program(name, self._folders, self._cell.path or self._wanted)
+
+    def _check_forces(self, texts: Sequence[str]) -> None:
+        if self._cell.session.loaded is not None:
+            self._cell.read_forces(texts)
+
+    def _change_forces(self, texts: Sequence[str]) -> None:
+        if self._cell.session.loaded is not None:
+            self._cell.apply_forces(texts)
+            self._status.publish()
+
+    def _check_pou(self, pou: str) -> None:
+        if self._cell.session.loaded is not None:
+            view(self._cell.session.executable, pou)
 
     def _declarations(self) -> list[Declaration]:
         """Return what to declare, with the folders that are in effect."""
         return [
             Declaration(
                 name=item.name, rule=item.rule,
-                value=_shown([str(folder) for folder in self._folders.folders]
-                             if item.name == 'program_folders' else item.value))
+                value=shown([str(folder) for folder in self._folders.folders]
+                            if item.name == 'program_folders' else item.value))
             for item in self._settings.declarations
         ]
-
-    def _on_set(self, parameters: Sequence[Any]) -> SetParametersResult:
-        """Validate a change; compile a program, so that setting it cannot fail any more."""
-        try:
-            for parameter in parameters:
-                if parameter.name in ('program', 'forces') and parameter.value is None:
-                    return SetParametersResult(
-                        successful=False, reason=f'{parameter.name} cannot be removed')
-                if parameter.name == 'program':
-                    path = next_program(parameter.value, self._folders, self._path)
-                    self._prepared = self._prepare(path, strict=False)
-                elif parameter.name == 'forces' and self._session.loaded is not None:
-                    self._read_forces(parameter.value)
-                elif parameter.name == 'use_sim_time':
-                    return SetParametersResult(
-                        successful=False, reason='use_sim_time is read at start only; '
-                                                 'start the node again with it')
-        except Exception as error:  # would get out of set_parameters as an exception
-            self._note_error(error)
-            return SetParametersResult(successful=False, reason=_text(error))
-        return SetParametersResult(successful=True)
-
-    def _on_post(self, parameters: Sequence[Any]) -> None:
-        """Do what has been validated."""
-        for parameter in parameters:
-            try:
-                if parameter.name == 'program':
-                    self._change_program()
-                elif parameter.name == 'forces':
-                    self._apply_forces(parameter.value)
-            except Exception as error:
-                # Too late to refuse; the state shows it, and the file that really runs.
-                self._note_error(error)
-
-    def _change_program(self) -> None:
-        prepared, self._prepared = self._prepared, None
-        if prepared is None:
-            return
-        first = self._path is None
-        self._install(prepared)
-        if first and self._settings.autostart:
-            self.start()
-        self._status.publish()
-
-    def _read_forces(self, texts: Sequence[str]) -> dict[str, Value]:
-        """Return the values to force by the variable's name; raises LadderError."""
-        wanted: dict[str, Value] = {}
-        for text in filter(None, texts):
-            name, sign, value = text.partition('=')
-            if not sign:
-                raise LadderError.of(
-                    'L0604', parameter_place('forces'), text, name='forces',
-                    expected='write name=value, for example motor=FALSE')
-            slot = find_slot(self._session.executable, name.strip())
-            try:
-                wanted[slot.path] = parse_value(value.strip(), slot.type)
-            except ValueError as error:
-                raise LadderError.of(
-                    'L0604', parameter_place('forces'), text, name='forces',
-                    expected=f'{slot.path} is {slot.type}: {error}') from None
-        return wanted
-
-    def _apply_forces(self, texts: Sequence[str]) -> None:
-        """Force what the list names and release the rest; without a program, when there is one."""
-        self._forces = tuple(texts)
-        if self._session.loaded is None:
-            return
-        wanted = self._read_forces(texts)
-        for name in self._session.forces():
-            if name not in wanted:
-                self._session.unforce(name)
-        for name, value in wanted.items():
-            self._session.force(name, value)
 
     # Status
 
     def state(self) -> Mapping[str, Any]:
         """Return the state as plain JSON data: what ~/state publishes."""
+        bindings = self._cell.bindings
         return {
-            **self._session.status(), 'last_error': self._last_error,
-            'stale': stale_inputs(self._bindings.plan),
-            'incompatible_qos': dict(self._bindings.mismatches),
-            'io': io_counts(self._bindings.plan),
+            **self._cell.session.status(), 'lifecycle': self._lifecycle.phase.value,
+            'last_error': self._last_error, 'stale': stale_inputs(bindings.plan),
+            'incompatible_qos': dict(bindings.mismatches), 'io': io_counts(bindings.plan),
         }
 
     def _tasks(self) -> list[Any]:
         state = self.state()
         tasks = diagnostic_tasks(
-            self._node.get_name(), state, self._bindings.plan, self._bindings.mismatches,
-            self._last_overruns)
+            self._node.get_name(), state, self._cell.bindings.plan, self._last_overruns)
         self._last_overruns = state.get('overruns', 0)
         return tasks
 
     def _note_error(self, error: Exception) -> None:
-        self._last_error = _text(error)
-        self._log.error(self._last_error)
-        self._status.publish()
+        text = error_text(error)
+        if text != self._last_error:
+            self._last_error = text
+            self._status.publish()
+        self._log.error(text)
 
-    # Other threads and clocks
+    def _loaded(self, prepared: Prepared) -> None:
+        """Tell of a program that has been put in place."""
+        self._last_error = ''
+        for warning in prepared.warnings():
+            self._log.warning(str(warning))
+        self._log.info(
+            f'program {prepared.loaded.name} ({prepared.path}, '
+            f'{prepared.loaded.source_hash[:12]}): {len(prepared.io_map.inputs)} inputs, '
+            f'{len(prepared.io_map.outputs)} outputs')
+
+    # What happened in the scan thread
 
     def _after_scan(self, result: ScanResult) -> None:
         """Listener in the scan thread."""
-        if result.fault is None:
-            self._bindings.after_scan(result.executable, result.values, result.now)
-        else:
-            self._bindings.publish_safe()
+        self._monitor.after_scan(result)
+
+    def _keep_house(self) -> None:
+        """Do what the scan thread has no time for."""
+        try:
+            while self._cell.events:
+                self._tell_change(self._cell.events.popleft())
+            self._follow_fault()
+            self._shadow.publish(self._cell.session.shadow_status())
+        except Exception as error:  # would end the callback thread
+            if error_text(error) != self._last_error:
+                self._note_error(error)
+
+    def _tell_change(self, change: Change) -> None:
+        report = change.to_json()
+        self._changes.publish(report)
+        if report['kind'] == 'untest':
+            self._cell.settle()
+            self._cell.forget_candidate()
+            self._log.warning(
+                f'the test has ended ({change.reason}): {change.loaded.path} runs again')
+        if change.report is not None and change.report.forces_dropped:
+            names = ', '.join(change.report.forces_dropped)
+            self._log.warning(f'the program has no variable for these forces: {names}')
+            self._live.tell('forces', self._forces())
+
+    def _forces(self) -> list[str]:
+        """Return what the parameter ``forces`` has to say."""
+        session = self._cell.session
+        return [f'{name}={format_value(value, slot.type)}'
+                for name, value in session.forces().items()
+                if (slot := session.executable.slot(name)) is not None]
+
+    def _follow_fault(self) -> None:
+        """Leave the active state after a fault of the program."""
+        session = self._cell.session
+        if session.state is ControllerState.FAULTED and self._lifecycle.phase is Phase.ACTIVE:
+            fault = session.fault
+            self._log.error(f'the program stopped with a fault: {fault.reason if fault else ""}; '
+                            'mend the cause, then call ~/reset and ~/start')
+            self._lifecycle.request('deactivate')
+            self._status.publish()
+
+    # Topics and clocks
+
+    def _resolve_topic(self, topic: str) -> str:
+        try:
+            return str(self._node.resolve_topic_name(topic))
+        except Exception as error:  # several classes, all of them say what is wrong
+            raise ValueError(reason_of(error)) from None
 
     def _follow_clock(self) -> RosTimeClock | None:
         """Subscribe to /clock under use_sim_time."""
@@ -366,6 +484,10 @@ class Plc:
         return clock
 
 
+def void(_value: object) -> None:
+    """Take a value for what it may raise on the way."""
+
+
 def read_overrides(node: Any) -> dict[str, Any]:
     """Return what the user set, by parameter name, as plain values."""
     return {
@@ -374,40 +496,3 @@ def read_overrides(node: Any) -> dict[str, Any]:
         for name, parameter in node._parameter_overrides.items()
         if parameter.type_ != Parameter.Type.NOT_SET
     }
-
-
-def _shown(value: Any) -> Any:
-    """Return a value that can be declared: an empty list would be taken for one of bytes."""
-    return [''] if value == [] else value
-
-
-def _key(loaded: Loaded) -> tuple[str, str]:
-    """Return what tells one compiled program from another."""
-    return loaded.source_hash, loaded.backend
-
-
-def _names(change: Change) -> dict[str, object]:
-    """Name the variables that did not keep their values, as far as a person would read."""
-    if change.report is None:
-        return {}
-    return {'initialised_names': list(change.report.initialised[:SHOWN_NAMES]),
-            'dropped_names': list(change.report.dropped[:SHOWN_NAMES])}
-
-
-def _text(error: Exception) -> str:
-    if isinstance(error, LadderError):
-        return render(error.diagnostics[:20])
-    return f'{type(error).__name__}: {error}'
-
-
-def _descriptor(declaration: Declaration) -> ParameterDescriptor:
-    rule = declaration.rule
-    described = ParameterDescriptor(
-        description=rule.description, read_only=rule.read_only,
-        additional_constraints='one of ' + ', '.join(rule.choices) if rule.choices else '')
-    if rule.kind is list:
-        described.type = Parameter.Type.STRING_ARRAY.value
-    if rule.kind is float and rule.low is not None and rule.high is not None:
-        described.floating_point_range = [
-            FloatingPointRange(from_value=rule.low, to_value=rule.high, step=0.0)]
-    return described

@@ -1,6 +1,6 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The node's services: ``~/reload``, ``~/start``, ``~/stop``, ``~/reset`` (std_srvs/Trigger).
+"""The node's services, all of them std_srvs/Trigger.
 
 The reply's ``message`` is one JSON document, whether it went well or not.
 """
@@ -30,23 +30,26 @@ def failure(error: Exception) -> dict[str, object]:
 
 def serve(
     node: Any, actions: Mapping[str, Callable[[], Report]], on_error: Callable[[Exception], None],
+    after: Callable[[Report], Report],
 ) -> None:
     """Offer each action as the service ``~/<name>``.
 
-    An action returns what it did, or raises; ``on_error`` is told what it raised.
+    An action returns what it did (with a false ``success`` if that was a refusal), or raises;
+    ``on_error`` is told what it raised.  ``after`` gets the report and adds to it.
     """
-    def offer(name: str, action: Callable[[], Report]) -> None:
-        def respond(_request: Any, response: Any) -> Any:
-            try:
-                report = {'success': True, **action()}
-            except Exception as error:  # a service must answer
-                on_error(error)
-                report = failure(error)
-            response.success = bool(report['success'])
-            response.message = json.dumps(report)
-            return response
-
-        node.create_service(Trigger, f'~/{name}', respond)
+    def respond(action: Callable[[], Report], response: Any) -> Any:
+        report: dict[str, object]
+        try:
+            report = {'success': True, **action()}
+        except Exception as error:  # a service must answer
+            on_error(error)
+            report = failure(error)
+        report.update(after(report))
+        response.success = bool(report['success'])
+        response.message = json.dumps(report)
+        return response
 
     for name, action in actions.items():
-        offer(name, action)
+        node.create_service(
+            Trigger, f'~/{name}',
+            lambda _request, response, action=action: respond(action, response))

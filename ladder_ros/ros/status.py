@@ -1,11 +1,16 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What the node tells about itself: ``~/state`` (JSON, latched) and ``/diagnostics``."""
+"""What the node tells about itself: ``~/state``, ``~/change``, ``~/shadow`` and ``/diagnostics``.
+
+The first three are JSON, latched.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 import json
+import time
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -17,11 +22,17 @@ from ladder_ros.ros.bindings import Plan
 
 LATCHED = QoSProfile(
     depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 LOOK = 0.1
 """How often it is looked whether something has changed, in seconds."""
 DIAGNOSTICS = 1.0
-CHANGING = ('scans', 'skipped', 'execution_ms', 'max_lateness_ms', 'io')
+SHADOW = 0.5
+CHANGING = ('scans', 'skipped', 'execution_ms', 'max_lateness_ms', 'io', 'tasks', 'share',
+            'shadow', 'retain')
+CHANGING_PARTS = (('change', 'test_left_ms'),)
 """Parts of the state that change all the time: no reason to publish it out of turn."""
+CHANGES = QoSProfile(
+    depth=10, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 def io_counts(plan: Plan) -> dict[str, object]:
@@ -84,7 +95,46 @@ class StatusPublisher:
 
 
 def _settled(state: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in state.items() if key not in CHANGING}
+    settled = {key: value for key, value in state.items() if key not in CHANGING}
+    for name, part in CHANGING_PARTS:
+        if isinstance(settled.get(name), Mapping):
+            settled[name] = {
+                key: value for key, value in settled[name].items() if key != part}
+    return settled
+
+
+class ChangePublisher:
+    """Publishes every change of the program on ``~/change``."""
+
+    def __init__(self, node: Any) -> None:
+        """Offer the topic."""
+        self._publisher = node.create_publisher(String, '~/change', CHANGES)
+
+    def publish(self, report: Mapping[str, Any]) -> None:
+        """Publish what a change did, as plain JSON data."""
+        self._publisher.publish(String(data=json.dumps(report)))
+
+
+class ShadowPublisher:
+    """Publishes on ``~/shadow`` what a shadow run finds, twice a second and when it ends."""
+
+    def __init__(self, node: Any) -> None:
+        """Offer the topic."""
+        self._publisher = node.create_publisher(String, '~/shadow', LATCHED)
+        self._last: tuple[object, ...] = ()
+        self._at = 0.0
+
+    def publish(self, status: Any) -> None:
+        """Publish the status of the shadow run (None if there was none) if it is worth it."""
+        if status is None:
+            return
+        report = status.to_json()
+        settled = (report['hash'], report['running'], report['differing_scans'] > 0)
+        if settled == self._last and (
+                not report['running'] or time.monotonic() - self._at < SHADOW):
+            return
+        self._last, self._at = settled, time.monotonic()
+        self._publisher.publish(String(data=json.dumps(report)))
 
 
 def task_status(
@@ -96,41 +146,127 @@ def task_status(
         values=[KeyValue(key=key, value=str(value)) for key, value in values.items()])
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Look:
+    """What the diagnostics are made from."""
+
+    node: str
+    state: Mapping[str, Any]
+    plan: Plan
+    overruns_before: int
+
+    def task(
+        self, name: str, level: bytes, message: str, values: Mapping[str, object],
+    ) -> DiagnosticStatus:
+        """Return one entry."""
+        return task_status(f'{self.node}: {name}', level, message, values)
+
+
 def diagnostic_tasks(
-    node_name: str, state: Mapping[str, Any], plan: Plan, mismatches: Mapping[str, str],
-    overruns_before: int,
+    node_name: str, state: Mapping[str, Any], plan: Plan, overruns_before: int,
 ) -> list[DiagnosticStatus]:
-    """Return the diagnostics: scan, program and I/O."""
-    ok, warn, error = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
+    """Return the diagnostics: scan, program, I/O, forces, change, retain, and each task.
+
+    ``state`` is what ~/state publishes; ``overruns_before`` those at the last look.
+    """
+    look = _Look(node=node_name, state=state, plan=plan, overruns_before=overruns_before)
+    return [_scan(look), _program(look), _io(look), _forces(look), _change(look), _retain(look),
+            *(_task(look, task) for task in state.get('tasks') or ())]
+
+
+def _scan(look: _Look) -> DiagnosticStatus:
+    state = look.state
     word = state['state']
     overruns = state.get('overruns', 0)
-    late = overruns > overruns_before
-    execution = state.get('execution_ms') or {}
-    scan = task_status(
-        f'{node_name}: scan',
-        error if word == 'faulted' else warn if late or word != 'running' else ok,
-        f'{word}, {overruns - overruns_before} overruns in the last second' if late else word,
-        {'state': word, 'period_ms': state.get('interval_ms'), 'scans': state.get('scans'),
-         'overruns': overruns, **{f'execution_{key}_ms': value
-                                  for key, value in execution.items()}})
+    late = overruns > look.overruns_before
+    share = state.get('share') or {}
+    return look.task(
+        'scan',
+        ERROR if word == 'faulted' else WARN if late or word != 'running' else OK,
+        f'{word}, {overruns - look.overruns_before} overruns in the last second'
+        if late else word,
+        {'state': word, 'lifecycle': state.get('lifecycle'),
+         'period_ms': state.get('interval_ms'), 'scans': state.get('scans'),
+         'overruns': overruns, 'skipped': state.get('skipped'),
+         **_times('execution', state.get('execution_ms')),
+         'max_lateness_ms': state.get('max_lateness_ms'),
+         'instructions': share.get('instructions'), 'executed': share.get('executed'),
+         'share_last': share.get('last'), 'share_mean': share.get('mean')})
+
+
+def _program(look: _Look) -> DiagnosticStatus:
+    state = look.state
+    word = state['state']
     fault = state.get('last_fault') or {}
     trouble = fault.get('reason') or state.get('last_error') or ''
-    program = task_status(
-        f'{node_name}: program',
-        error if word == 'faulted' else warn if trouble or word == 'empty' else ok,
+    place = fault.get('location') or {}
+    return look.task(
+        'program',
+        ERROR if word == 'faulted' else WARN if trouble or word == 'empty' else OK,
         str(trouble) or str(state.get('program') or 'no program'),
-        {key: state.get(key) for key in ('program', 'path', 'hash', 'backend',
-                                         'arithmetic_errors')})
-    stale = stale_inputs(plan)
-    counts = io_counts(plan)
+        {**{key: state.get(key) for key in ('program', 'path', 'hash', 'backend', 'start',
+                                            'arithmetic_errors')},
+         **{f'fault_{key}': fault[key] for key in ('entry', 'scan') if key in fault},
+         **{f'fault_{key}': value for key, value in place.items() if value}})
+
+
+def _io(look: _Look) -> DiagnosticStatus:
+    stale = stale_inputs(look.plan)
+    counts = io_counts(look.plan)
+    mismatches = look.state.get('incompatible_qos') or {}
     problems = [f'{len(stale)} inputs are stale' if stale else '',
                 f'{len(mismatches)} topics have incompatible QoS' if mismatches else '',
                 f'{counts["rejected"]} messages were out of range' if counts['rejected'] else '',
                 f'{counts["failed"]} messages could not be sent' if counts['failed'] else '']
     found = [text for text in problems if text]
-    io = task_status(
-        f'{node_name}: I/O', warn if found else ok, '; '.join(found) or 'all inputs are fresh',
+    return look.task(
+        'I/O', WARN if found else OK, '; '.join(found) or 'all inputs are fresh',
         {**counts, 'stale': ', '.join(stale),
          'incompatible_qos': ', '.join(f'{topic} ({policy})'
                                        for topic, policy in mismatches.items())})
-    return [scan, program, io]
+
+
+def _forces(look: _Look) -> DiagnosticStatus:
+    forces = look.state.get('forces') or {}
+    return look.task(
+        'forces', WARN if forces else OK,
+        f'{len(forces)} variables are forced' if forces else 'nothing is forced', forces)
+
+
+def _change(look: _Look) -> DiagnosticStatus:
+    change = look.state.get('change') or {}
+    last = look.state.get('last_change') or {}
+    kind = last.get('kind') or ''
+    in_test = change.get('state') == 'test'
+    by_itself = kind == 'untest' and bool(last.get('reason'))
+    return look.task(
+        'change', WARN if in_test or by_itself else OK,
+        'a program is on test' if in_test
+        else f'the test has ended: {last["reason"]}' if by_itself else kind or 'none',
+        {**{f'last_{key}': last.get(key) for key in (
+            'kind', 'time', 'hash', 'reason', 'pause_ms', 'gap_ms', 'kept', 'initialised',
+            'dropped')},
+         **{key: value for key, value in change.items() if value is not None}})
+
+
+def _retain(look: _Look) -> DiagnosticStatus:
+    retain = look.state.get('retain') or {}
+    error = retain.get('error')
+    return look.task(
+        'retain', ERROR if error else OK,
+        str(error) if error else f'saved {retain["saved"]}' if retain.get('saved')
+        else 'nothing is saved', retain)
+
+
+def _task(look: _Look, task: Mapping[str, Any]) -> DiagnosticStatus:
+    trips = task.get('watchdog_trips') or 0
+    return look.task(
+        f'task {task["name"]}', WARN if trips else OK,
+        f'{trips} executions were longer than the watchdog allows' if trips
+        else f'{task.get("scans")} executions',
+        {**{key: value for key, value in task.items() if key != 'execution_ms'},
+         **_times('execution', task.get('execution_ms'))})
+
+
+def _times(name: str, values: Mapping[str, object] | None) -> dict[str, object]:
+    return {f'{name}_{key}_ms': value for key, value in (values or {}).items()}

@@ -4,99 +4,65 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from enum import Enum
+from dataclasses import replace
 import threading
+from typing import TypeVar
 
 from ladder_ros.diagnostics import InternalError, LadderError, Location
 from ladder_ros.executable import Executable
-from ladder_ros.model.types import NS_PER_MS, NS_PER_S, Value
+from ladder_ros.model.types import Value
 from ladder_ros.runtime.clock import Clock, MonotonicClock
+from ladder_ros.runtime.errands import Errands
+from ladder_ros.runtime.exchange import Exchange
+from ladder_ros.runtime.listeners import (
+    check_interval,
+    ControllerState,
+    DEFAULT_INTERVAL,
+    Fault,
+    fault_of,
+    Listener,
+    Listeners,
+    ScanResult,
+    StateListener,
+)
 from ladder_ros.runtime.online_change import SwapReport
+from ladder_ros.runtime.quiet import free_slowly, giving_way
+from ladder_ros.runtime.recorder import TraceRecorder
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
-from ladder_ros.runtime.statistics import Recorder, Statistics
+from ladder_ros.runtime.shadow import Shadow
+from ladder_ros.runtime.statistics import Recorder, Share, Statistics
+from ladder_ros.runtime.tasks import make_tasks, TaskStatistics
+from ladder_ros.runtime.trial import (
+    ChangeListener,
+    DEFAULT_OVERRUN_LIMIT,
+    DEFAULT_TIMEOUT,
+    Trial,
+)
 
-DEFAULT_INTERVAL = 10 * NS_PER_MS
-"""Scan interval in ns where neither the user nor the program gives one."""
-
-SHORTEST_INTERVAL = 100_000
-LONGEST_INTERVAL = 3600 * NS_PER_S
-
-
-class ControllerState(Enum):
-    """What the controller is doing."""
-
-    EMPTY = 'empty'
-    STOPPED = 'stopped'
-    RUNNING = 'running'
-    FAULTED = 'faulted'
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Fault:
-    """Why a program was stopped: the exception's text, and where it is known to come from."""
-
-    reason: str
-    entry: str
-    scan: int
-    now: int
-    location: Location = Location()
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ScanResult:
-    """What a listener is shown after a scan, the one that failed included.
-
-    ``values`` (by slot) and ``power`` (by component; None unless observed) are the live lists:
-    read them during the call, and never write to them.  ``executable`` is another object after a
-    swap.  ``execution_ns`` is how long the scan took.
-    """
-
-    number: int
-    now: int
-    executable: Executable
-    values: Sequence[Value]
-    power: Sequence[bool] | None
-    execution_ns: int
-    fault: Fault | None = None
-
-
-Listener = Callable[[ScanResult], None]
-StateListener = Callable[[ControllerState, 'Fault | None'], None]
-
-
-def check_interval(interval: int) -> int:
-    """Return the scan interval (ns) if it can be used; raises LadderError L0505 otherwise."""
-    if SHORTEST_INTERVAL <= interval <= LONGEST_INTERVAL:
-        return interval
-    raise LadderError.of(
-        'L0505', Location(), value=f'{interval / NS_PER_MS:g} ms',
-        reason='an interval is between 0.1 ms and 1 h; with several tasks the scan interval is '
-               'the common divisor of theirs')
+_T = TypeVar('_T')
 
 
 class Controller:
     """Runs one executable at a time; every method may be called from any thread.
 
-    Requests that are not possible in the present state raise LadderError L0508.  Listeners, which
-    the scan thread calls, may only read, write and stop.
+    Requests that are not possible in the present state raise LadderError L0508 or L0520.
+    Listeners, which the scan thread calls, may only read, write and stop.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:
         """Make an empty controller."""
         self._clock: Clock = clock or MonotonicClock()
-        self._cycle: ScanCycle | None = None
         self._state = ControllerState.EMPTY
         self._fault: Fault | None = None
         self._interval: int | None = None
         self._thread: threading.Thread | None = None
         self._stopping = False
-        self._listeners: tuple[Listener, ...] = ()
-        self._state_listeners: tuple[StateListener, ...] = ()
-        self._listener_error = ''
+        self._listeners = Listeners()
+        self._programs = Exchange(self._clock, self._listeners)
         self._recorder = Recorder()
+        self._trace: TraceRecorder | None = None
         # Locks are always taken in this order.  One request at a time:
         self._requests = threading.RLock()
         # The gate makes the next lock fair: the scan thread passes it before each scan, so that
@@ -104,8 +70,7 @@ class Controller:
         self._gate = threading.RLock()
         # Held during a scan and its listeners, or to keep one from starting:
         self._between = threading.RLock()
-        # Held while the program is exchanged, so that no written value is lost:
-        self._exchange = threading.Lock()
+        self._errands = Errands()
 
     # What it is doing
 
@@ -127,12 +92,14 @@ class Controller:
     @property
     def executable(self) -> Executable | None:
         """The program that is loaded, or None."""
-        return self._cycle.executable if self._cycle else None
+        cycle = self._programs.cycle
+        return cycle.executable if cycle else None
 
     @property
     def interval(self) -> int:
         """The scan interval in ns: the one asked for, else the program's, else 10 ms."""
-        return self._interval_for(self._cycle.interval if self._cycle else 0)
+        cycle = self._programs.cycle
+        return self._interval_for(cycle.interval if cycle else 0)
 
     @property
     def statistics(self) -> Statistics:
@@ -140,9 +107,31 @@ class Controller:
         return self._recorder.read()
 
     @property
+    def tasks(self) -> tuple[TaskStatistics, ...]:
+        """The statistics of each task since the last start or change of the program."""
+        cycle = self._programs.cycle
+        return cycle.task_statistics() if cycle else ()
+
+    @property
+    def share(self) -> Share:
+        """How much of the program is executed."""
+        cycle = self._programs.cycle
+        return cycle.share if cycle else Share()
+
+    @property
     def listener_error(self) -> str:
         """Text of the last exception that a listener raised, or ''."""
-        return self._listener_error
+        return self._listeners.error
+
+    @property
+    def trial(self) -> Trial | None:
+        """The test that runs, or None."""
+        return self._programs.trial
+
+    @property
+    def shadow(self) -> Shadow | None:
+        """The shadow run, ended or not, or None."""
+        return self._programs.shadow
 
     # Life
 
@@ -151,22 +140,31 @@ class Controller:
 
         Not while a program runs (see :meth:`swap`).
         """
-        cycle = ScanCycle(executable)
+        cycle = ScanCycle(executable, self._clock.now)
         check_interval(self._interval_for(cycle.interval))
         with self._request('loading a program'):
             self._refuse('loading a program', ControllerState.RUNNING,
                          'stop it, or change the program online')
             self._join()
-            with self._exchange:
-                self._cycle = cycle
+            self._programs.put(cycle)
             self._fault = None
             self._recorder = Recorder()
             self._set_state(ControllerState.STOPPED)
 
-    def start(self) -> None:
+    def unload(self) -> None:
+        """Go back to having no program.  Not while one runs."""
+        with self._request('unloading'):
+            self._refuse('unloading', ControllerState.RUNNING, 'stop it first')
+            self._join()
+            self._programs.put(None)
+            self._fault = None
+            self._recorder = Recorder()
+            self._set_state(ControllerState.EMPTY)
+
+    def start(self, *, cold: bool = False) -> None:
         """Start scanning from the initial state; inputs, forces and retained values stay.
 
-        Does nothing if it runs already.
+        Retained values do not if ``cold``.  Does nothing if it runs already.
         """
         with self._request('starting'):
             if self._state is ControllerState.RUNNING:
@@ -174,7 +172,8 @@ class Controller:
             self._refuse('starting', ControllerState.EMPTY, 'load a program first')
             self._refuse('starting', ControllerState.FAULTED, 'reset it first')
             self._join()
-            self._loaded('starting').restart()
+            self._loaded('starting').restart(cold=cold)
+            self._programs.restarted()
             self._recorder = Recorder()
             self._stopping = False
             self._set_state(ControllerState.RUNNING)
@@ -184,7 +183,8 @@ class Controller:
     def stop(self) -> None:
         """Stop after the scan that is running; when this returns no scan runs.
 
-        Does nothing if none runs.  From a listener it only asks to stop.
+        A test ends: the old program is there again.  Does nothing if none runs.  From a listener
+        it only asks to stop.
         """
         if threading.current_thread() is self._thread:
             self._stopping = True
@@ -194,38 +194,18 @@ class Controller:
             self._clock.wake()
             self._join()
 
-    def reset(self) -> None:
-        """Clear a fault and go back to the initial state, retained values too; then stopped.
+    def reset(self, *, cold: bool = True) -> None:
+        """Clear a fault and go back to the initial state, retained values too if ``cold``.
 
-        Not while a program runs.
+        It is then stopped.  Not while a program runs.
         """
         with self._request('resetting'):
             self._refuse('resetting', ControllerState.RUNNING, 'stop it first')
             self._join()
-            self._loaded('resetting').restart(cold=True)
+            self._loaded('resetting').restart(cold=cold)
             self._fault = None
             self._recorder = Recorder()
             self._set_state(ControllerState.STOPPED)
-
-    def swap(self, executable: Executable) -> SwapReport:
-        """Put another program in the place of the present one, between two scans.
-
-        State, pending inputs and forces of variables with the same path and identity are kept;
-        what runs once is not run again.  A fault stays until it is reset.  When this returns no
-        listener is being called with the old program, nor will be.
-        """
-        with self._request('changing the program'):
-            successor = self._loaded('changing the program').successor(executable)
-            check_interval(self._interval_for(successor.interval))
-            with self._between_scans():
-                began = self._clock.now()
-                with self._exchange:
-                    self._cycle, forces_dropped = successor.take_over()
-                pause = self._clock.now() - began
-        plan = successor.plan
-        return SwapReport(
-            kept=plan.kept, initialised=plan.initialised, dropped=plan.dropped,
-            forces_dropped=forces_dropped, pause_ns=pause)
 
     def set_interval(self, interval: int | None) -> None:
         """Set the scan interval in ns from the next scan on; None leaves it to the program.
@@ -235,6 +215,99 @@ class Controller:
         if interval is not None:
             check_interval(interval)
         self._interval = interval
+
+    # Changing the program
+
+    def check(self, executable: Executable) -> None:
+        """Raise LadderError L0505 if a program's interval cannot be used."""
+        check_interval(self._interval_for(make_tasks(executable)[1]))
+
+    def swap(self, executable: Executable) -> SwapReport:
+        """Put another program in the place of the present one, between two scans.
+
+        State is kept as :mod:`~ladder_ros.runtime.state_plan` says, pending inputs and forces of
+        variables with the same path and identity are; what runs once is not run again.  A fault
+        stays until it is reset.  When this returns no listener is being called with the old
+        program, nor will be.
+        """
+        return self._replace('changing the program', executable)
+
+    def test(
+        self, executable: Executable, *, timeout: int = DEFAULT_TIMEOUT,
+        overrun_limit: int | None = DEFAULT_OVERRUN_LIMIT,
+    ) -> SwapReport:
+        """Swap, but be able to go back: the old program and a copy of its state are kept.
+
+        It comes back by itself after a fault, a watchdog trip, more overruns than the limit (None:
+        any number), a stop, or after ``timeout`` ns without :meth:`accept`.
+        """
+        with self._request('testing a program'):
+            if self._state is not ControllerState.RUNNING:
+                raise LadderError.of(
+                    'L0508', Location(), request='testing a program', state=self._state.value,
+                    expected='a test needs a running program: start it, or load the program')
+            return self._replace(
+                'testing a program', executable, timeout=timeout, overrun_limit=overrun_limit)
+
+    def _replace(
+        self, request: str, executable: Executable, *, timeout: int | None = None,
+        overrun_limit: int | None = None,
+    ) -> SwapReport:
+        with self._request(request), giving_way(self.interval):
+            if self.trial is not None:
+                raise LadderError.of('L0520', Location(), request=request, reason='a test runs',
+                                     expected='accept or untest the program on test first')
+            # All that takes long comes before it is the scan thread's turn, or after.
+            successor = self._loaded(request).successor(executable)
+            check_interval(self._interval_for(successor.interval))
+            report = self._boundary(lambda: self._programs.take_over(
+                self._loaded(request), successor, timeout=timeout, overrun_limit=overrun_limit,
+                overruns=self._recorder.overruns))
+            pile: list[Sequence[object]] = [successor.steps]
+            successor.steps = ()
+            free_slowly(pile)
+            return report
+
+    def untest(self, reason: str = 'asked for') -> None:
+        """Go back to the program and the state before the test; inputs and forces are today's."""
+        with self._request('going back'):
+            if not self._boundary(
+                    lambda: self._programs.go_back(self._loaded('going back'), reason)):
+                raise _no_test('going back')
+
+    def accept(self) -> None:
+        """Keep the program on test."""
+        with self._request('accepting'):
+            if not self._boundary(
+                    lambda: self._programs.accept(self._loaded('accepting'))):
+                raise _no_test('accepting')
+
+    def run_shadow(self, shadow: Shadow) -> None:
+        """Let another program scan along; replaces one that does so already."""
+        with self._request('a shadow run'):
+            cycle = self._loaded('a shadow run')
+            shadow.prepare(cycle)
+
+            def begin() -> None:
+                shadow.begin(cycle)
+                self._programs.shadow = shadow
+
+            self._boundary(begin)
+
+    def end_shadow(self, why: str = 'asked for') -> None:
+        """Stop the shadow run, if there is one."""
+        with self._request('ending a shadow run'):
+            shadow = self.shadow
+            if shadow is not None:
+                self._boundary(lambda: shadow.end(why))
+
+    def record(self, trace: TraceRecorder | None) -> None:
+        """Write each scan to a recording from the next one on; None ends that."""
+        def begin() -> None:
+            self._trace = trace
+
+        with self._request('recording'):
+            self._boundary(begin)
 
     # Values
 
@@ -249,7 +322,7 @@ class Controller:
         place, the variable of that path is written, if there still is one of its type.  Raises
         TypeError if the value is not of the slot's type.
         """
-        with self._exchange:
+        with self._programs.lock:
             cycle = self._loaded('writing')
             if of is not None and of is not cycle.executable:
                 old = of.slots[index]
@@ -270,33 +343,53 @@ class Controller:
             cycle = self._loaded('reading')
             return cycle.executable, list(cycle.state)
 
+    def values_of(
+        self, indices: Iterable[int],
+    ) -> tuple[Executable, tuple[Value, ...]]:
+        """Return the program and some of its values, of one moment between two scans."""
+        wanted = tuple(indices)
+
+        def take() -> tuple[Executable, tuple[Value, ...]]:
+            cycle = self._loaded('reading')
+            if wanted and wanted[-1] >= len(cycle.state):
+                return cycle.executable, ()  # they are another program's
+            return cycle.executable, tuple(cycle.state[index] for index in wanted)
+
+        return self._boundary(take)
+
+    def put(self, values: Mapping[int, Value]) -> None:
+        """Set values of a stopped program at once: what was retained from an earlier run."""
+        with self._request('restoring values'), self._between_scans():
+            cycle = self._loaded('restoring values')
+            for index, value in values.items():
+                cycle.state[index] = value
+
     def force(self, index: int, value: Value) -> None:
         """Hold a variable at a value.  Raises TypeError if the value is not of its type."""
-        with self._request('forcing'):
-            cycle = self._loaded('forcing')
-            # Built before scans are kept waiting; what follows takes it from the cache.
-            cycle.prepared(replace(cycle.variant, forced=cycle.variant.forced | {index}))
-            with self._between_scans():
-                cycle.force(index, value)
+        self._change_forces('forcing', lambda cycle: cycle.force(index, value), add=index)
 
     def unforce(self, index: int) -> None:
         """Release a variable; an input goes back to what was last written to it."""
-        with self._request('releasing a force'):
-            cycle = self._loaded('releasing a force')
-            cycle.prepared(replace(cycle.variant, forced=cycle.variant.forced - {index}))
-            with self._between_scans():
-                cycle.unforce(index)
+        self._change_forces(
+            'releasing a force', lambda cycle: cycle.unforce(index), remove=index)
 
     @property
     def forces(self) -> Mapping[int, Value]:
         """The forced values by slot."""
-        return self._cycle.forces if self._cycle else {}
+        cycle = self._programs.cycle
+        return cycle.forces if cycle else {}
+
+    def forced(self) -> tuple[Executable | None, Mapping[int, Value]]:
+        """Return the program and its forced values by slot, of one moment."""
+        cycle = self._programs.cycle
+        return (cycle.executable, cycle.forces) if cycle else (None, {})
 
     def observe(self, on: bool) -> None:
         """Begin or end to note the power that leaves each component."""
         with self._request('observing'):
             cycle = self._loaded('observing')
             cycle.prepared(replace(cycle.variant, observed=on))
+            self._prepare_return(frozenset(cycle.forces), on)
             with self._between_scans():
                 cycle.observe(on)
 
@@ -304,15 +397,20 @@ class Controller:
 
     def add_listener(self, listener: Listener) -> None:
         """Call ``listener`` in the scan thread after each scan; what it raises is only noted."""
-        self._listeners = (*self._listeners, listener)
+        self._listeners.of_scans = (*self._listeners.of_scans, listener)
 
     def remove_listener(self, listener: Listener) -> None:
         """Stop calling it; nothing happens if it is unknown."""
-        self._listeners = tuple(other for other in self._listeners if other != listener)
+        self._listeners.of_scans = tuple(
+            other for other in self._listeners.of_scans if other != listener)
 
     def add_state_listener(self, listener: StateListener) -> None:
         """Call ``listener`` with each new state, in the thread that made it so."""
-        self._state_listeners = (*self._state_listeners, listener)
+        self._listeners.of_states = (*self._listeners.of_states, listener)
+
+    def add_change_listener(self, listener: ChangeListener) -> None:
+        """Call ``listener`` with each change of the program, between two scans."""
+        self._listeners.of_changes = (*self._listeners.of_changes, listener)
 
     # The scan thread
 
@@ -326,6 +424,7 @@ class Controller:
         deadline = self._clock.now()
         running = True
         while running and not self._stopping:
+            self._errands.run()
             interval = self.interval
             ahead = deadline - self._clock.now()
             if ahead > interval:
@@ -336,57 +435,95 @@ class Controller:
             missed = -ahead // interval
             self._recorder.skip(missed)
             deadline += missed * interval
-            running = self._scan(deadline, lateness=-ahead)
+            running = self._scan(deadline, -ahead - missed * interval, missed)
             deadline += interval
             if self._clock.now() > deadline:
                 self._recorder.overrun()
         if running:
+            self._alone(lambda: self._programs.go_back(
+                self._loaded('stopping'), 'the program was stopped'))
             self._set_state(ControllerState.STOPPED)
 
-    def _scan(self, now: int, lateness: int) -> bool:
+    def _scan(self, now: int, lateness: int, missed: int) -> bool:
         """Run one scan and tell the listeners; return False after a fault."""
         with self._gate:
             self._between.acquire()
         try:
-            return self._scan_and_tell(now, lateness)
+            trial = self.trial
+            if trial is not None:
+                why = trial.why_over(self._clock.now(), self._recorder.overruns)
+                if why:
+                    self._programs.go_back(self._loaded('going back'), why)
+            fault = self._scan_and_tell(now, lateness, missed)
+            if fault is not None:
+                return False
+            if self._programs.shadow is not None:
+                self._programs.shadow.scan(
+                    self._loaded('scanning'), now + self.interval, missed)
+            return True
         finally:
             self._between.release()
 
-    def _scan_and_tell(self, now: int, lateness: int) -> bool:
+    def _scan_and_tell(self, now: int, lateness: int, missed: int) -> Fault | None:
         cycle = self._loaded('scanning')
-        fault = None
+        if self._trace is not None:
+            self._trace.before(cycle)
         began = self._clock.now()
+        self._programs.scanning(began)
+        fault = None
         try:
-            cycle.scan(now)
+            cycle.scan(now, missed, lateness)
         except Exception as error:
             # Whatever it was, this thread must not die without a word.
-            fault = _fault_of(error, self._recorder.scans, now)
+            fault = fault_of(
+                error, error.entry if isinstance(error, ProgramFault) else '',
+                self._recorder.scans, now)
         execution = self._clock.now() - began
         self._recorder.scan(execution, lateness)
+        if fault is not None and self._programs.go_back(cycle, f'fault: {fault.reason}'):
+            return None  # nobody is told what the failed scan left
+        if self._trace is not None:
+            self._trace.after(cycle, missed, is_fault=fault is not None)
         if fault is not None:
             self._fault = fault
             self._set_state(ControllerState.FAULTED)
-        self._tell(ScanResult(
+        self._listeners.tell_scan(ScanResult(
             number=self._recorder.scans - 1, now=now, executable=cycle.executable,
-            values=cycle.state, power=cycle.power, execution_ns=execution, fault=fault))
-        return fault is None
-
-    def _tell(self, result: ScanResult) -> None:
-        for listener in self._listeners:
-            try:
-                listener(result)
-            except Exception as error:
-                self._listener_error = f'{type(error).__name__}: {error}'
+            values=cycle.state, power=cycle.power, execution_ns=execution, fault=fault,
+            executed=cycle.executed))
+        return fault
 
     def _set_state(self, state: ControllerState) -> None:
         self._state = state
-        for listener in self._state_listeners:
-            try:
-                listener(state, self._fault)
-            except Exception as error:
-                self._listener_error = f'{type(error).__name__}: {error}'
+        self._listeners.tell_state(state, self._fault)
 
     # Helpers
+
+    def _change_forces(
+        self, request: str, change: Callable[[ScanCycle], None], *, add: int | None = None,
+        remove: int | None = None,
+    ) -> None:
+        with self._request(request):
+            cycle = self._loaded(request)
+            forced = frozenset(cycle.forces) | {add} - {None} if add is not None else (
+                frozenset(cycle.forces) - {remove})
+            # Built before scans are kept waiting; what follows takes it from the cache.
+            cycle.prepared(replace(cycle.variant, forced=forced))
+            self._prepare_return(forced, cycle.variant.observed)
+            with self._between_scans():
+                if self._programs.cycle is not cycle:  # a test has ended meanwhile
+                    raise LadderError.of(
+                        'L0520', Location(), request=request, expected='try again',
+                        reason='the program was changed meanwhile')
+                change(cycle)
+                if self.shadow is not None:
+                    self.shadow.end('the forces were changed')
+
+    def _prepare_return(self, forced: frozenset[int], observed: bool) -> None:
+        """Build what runs if the test ends, so that this takes no time in the scan thread."""
+        trial = self.trial
+        if trial is not None:
+            trial.old.prepared(trial.old.variant_after(forced, trial.plan, observed))
 
     @contextmanager
     def _request(self, what: str) -> Iterator[None]:
@@ -399,6 +536,18 @@ class Controller:
                                               'write and stop')
         with self._requests:
             yield
+
+    def _boundary(self, action: Callable[[], _T]) -> _T:
+        """Have something done between two scans, by the scan thread if there is one."""
+        def alone() -> None:
+            self._alone(self._errands.run)
+
+        return self._errands.ask(
+            lambda: self._alone(action), self._thread, self._clock.wake, alone)
+
+    def _alone(self, action: Callable[[], _T]) -> _T:
+        with self._gate, self._between:
+            return action()
 
     @contextmanager
     def _between_scans(self) -> Iterator[None]:
@@ -415,10 +564,11 @@ class Controller:
             self._thread.join()
 
     def _loaded(self, request: str) -> ScanCycle:
-        if self._cycle is None:
+        cycle = self._programs.cycle
+        if cycle is None:
             self._refuse(request, ControllerState.EMPTY, 'load a program first')
             raise InternalError('controller', 'no program although not empty')
-        return self._cycle
+        return cycle
 
     def _refuse(self, request: str, state: ControllerState, expected: str) -> None:
         """Raise LadderError L0508 in the given state."""
@@ -430,9 +580,6 @@ class Controller:
         return self._interval or program_interval or DEFAULT_INTERVAL
 
 
-def _fault_of(error: Exception, scan: int, now: int) -> Fault:
-    entry = error.entry if isinstance(error, ProgramFault) else ''
-    location = getattr(error.__cause__, 'location', None)
-    return Fault(
-        reason=str(error), entry=entry, scan=scan, now=now,
-        location=location if isinstance(location, Location) else Location())
+def _no_test(request: str) -> LadderError:
+    return LadderError.of('L0520', Location(), request=request, reason='no test runs',
+                          expected='test a program first')

@@ -8,7 +8,9 @@ import difflib
 
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.executable import ARITHMETIC_ERRORS, Executable, Slot
+from ladder_ros.model.types import Value
 from ladder_ros.runtime.online_change import is_hidden
+from ladder_ros.runtime.values import check_value, parse_value
 
 _MOST_COMPARED = 5000
 
@@ -35,3 +37,17 @@ def find_slot(
 def named_slots(executable: Executable) -> tuple[Slot, ...]:
     """Return the slots that a user can name, in slot order."""
     return tuple(slot for slot in executable.slots if not is_hidden(slot.path))
+
+
+def value_for(slot: Slot, value: object) -> Value:
+    """Return a value for a slot: a Python value of its type, or its text.
+
+    Raises LadderError L0503.
+    """
+    try:
+        if isinstance(value, str):
+            return parse_value(value, slot.type)
+        return check_value(value, slot.type)
+    except ValueError as error:
+        raise LadderError.of('L0503', slot.location, name=slot.path, reason=error,
+                             expected=f'{slot.path} is {slot.type}') from None

@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 import threading
 
 from ladder_ros.executable import Executable, SlotClass
 from ladder_ros.model.types import normalise, Value
+from ladder_ros.runtime.state_plan import StatePlan
 
 
 class PendingInputs:
@@ -42,7 +44,7 @@ class PendingInputs:
             self._frozen.update(taken)
         return taken
 
-    def moved(self, moves: dict[int, int]) -> PendingInputs:
+    def moved(self, moves: Mapping[int, int]) -> PendingInputs:
         """Return what is pending for another program; ``moves`` maps its slots from the old."""
         result = PendingInputs()
         with self._lock:
@@ -67,6 +69,8 @@ class ProcessImage:
         self._pending = PendingInputs()
         self._forces: dict[int, Value] = {}
         self._behind: dict[int, Value] = {}  # values that wait behind a force
+        self._inputs = tuple(
+            slot.index for slot in self._slots if slot.slot_class is SlotClass.INPUT)
 
     def write(self, index: int, value: Value, catch_pulse: bool = False) -> None:
         """Give a variable a value before the next scan; see :meth:`PendingInputs.write`.
@@ -76,13 +80,21 @@ class ProcessImage:
         """
         self._pending.write(index, normalise(value, self._slots[index].type), catch_pulse)
 
-    def freeze(self) -> None:
-        """Bring what is pending into the state: the inputs of one scan."""
-        for index, value in self._pending.take().items():
+    def freeze(self) -> Mapping[int, Value]:
+        """Bring what is pending into the state, the inputs of one scan; return it by slot."""
+        taken = self._pending.take()
+        if not taken:
+            return taken
+        if not self._forces:
+            for index, value in taken.items():
+                self.state[index] = value
+            return taken
+        for index, value in taken.items():
             if index in self._forces:
                 self._behind[index] = value
             else:
                 self.state[index] = value
+        return {index: value for index, value in taken.items() if index not in self._forces}
 
     @property
     def forces(self) -> dict[int, Value]:
@@ -116,15 +128,38 @@ class ProcessImage:
                 continue
             self.state[slot.index] = slot.initial
 
-    def moved(self, executable: Executable, moves: dict[int, int]) -> ProcessImage:
-        """Return the image of another program; ``moves`` maps its slots from this one's."""
-        image = ProcessImage(executable)
-        for old, new in moves.items():
-            image.state[new] = self.state[old]
-        image._pending = self._pending.moved(moves)
+    def follow(self, old: ProcessImage, plan: StatePlan, *, copy: bool) -> None:
+        """Take everything over from another program's image, as planned; that is left as it was.
+
+        But without ``copy`` the two share their state if their layouts are equal.
+        """
+        if plan.is_equal and not copy:
+            self.state = old.state
+        else:
+            self.state = plan.carry(old.state, self.state)
+        self._take_pending_and_forces(old, plan.moves)
+
+    def take_inputs(self, other: ProcessImage, plan: StatePlan) -> None:
+        """Take over what comes from outside: inputs, what is pending, forces; the state stays.
+
+        ``plan`` leads from this program to the other.  Forces of variables that the other program
+        has not are kept.
+        """
+        for index in self._inputs:
+            if index in plan.moves:
+                self.state[index] = other.state[plan.moves[index]]
+        own = {index: value for index, value in self._forces.items() if index not in plan.moves}
+        self._forces.clear()
+        self._behind = {index: value for index, value in self._behind.items() if index in own}
+        self._take_pending_and_forces(other, plan.back)
+        self._forces.update(own)
+        for index, value in self._forces.items():
+            self.state[index] = value
+
+    def _take_pending_and_forces(self, other: ProcessImage, moves: Mapping[int, int]) -> None:
+        self._pending = other._pending.moved(moves)
         for old_values, new_values in (
-            (self._forces, image._forces), (self._behind, image._behind),
+            (other._forces, self._forces), (other._behind, self._behind),
         ):
             new_values.update(
                 (moves[index], value) for index, value in old_values.items() if index in moves)
-        return image

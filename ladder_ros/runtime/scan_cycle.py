@@ -5,12 +5,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-import math
+from dataclasses import dataclass, replace
 
+from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Executable, Scan, State, Variant
 from ladder_ros.model.types import Value
-from ladder_ros.runtime.online_change import plan_swap, SwapPlan
+from ladder_ros.runtime.online_change import report_swap
 from ladder_ros.runtime.process_image import ProcessImage
+from ladder_ros.runtime.state_plan import plan_state, StatePlan
+from ladder_ros.runtime.statistics import Share
+from ladder_ros.runtime.tasks import make_tasks, RunningTask, TaskStatistics, Timer
 
 _CACHED_VARIANTS = 8
 
@@ -23,34 +27,65 @@ class ProgramFault(Exception):
     def __init__(self, entry: str, cause: Exception) -> None:
         """Keep the entry's name."""
         self.entry = entry
-        super().__init__(f'{type(cause).__name__}: {cause}')
+        if isinstance(cause, LadderError):
+            super().__init__(cause.diagnostics[0].message)
+        else:
+            super().__init__(f'{type(cause).__name__}: {cause}')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Moment:
+    """All that the next scan depends on but its inputs: a copy, of a moment between two scans."""
+
+    executable: Executable
+    state: State
+    forces: Mapping[int, Value]
+    tick: int
+    started: bool
+    offset: int
+    sensed: tuple[bool, ...]
 
 
 class ScanCycle:
     """Runs an executable scan by scan.  Only :meth:`write` is for other threads.
 
-    Each task runs in every n-th scan, n being its interval over :attr:`interval`; so its share of
-    the scans is the same whatever the real interval between scans is.
+    Scans are ticks of the program's interval, whatever the real one is: each task runs in the
+    scans of its share.
     """
 
-    def __init__(self, executable: Executable) -> None:
-        """Start with the initial state; what runs once runs in the first scan."""
+    def __init__(self, executable: Executable, timer: Timer | None = None) -> None:
+        """Start with the initial state; what runs once runs in the first scan.
+
+        With a ``timer`` tasks have statistics, and watchdogs.
+        """
         self.executable = executable
         self.image = ProcessImage(executable)
-        self.number = 0
         self.power: list[bool] | None = None
         self._powers: dict[str, list[bool]] = {}
         self._variants: dict[Variant, Functions] = {}
         self._observed = False
         self._started = False
-        cyclic = sorted(
-            (entry for entry in executable.entries if not entry.once), key=lambda e: e.priority)
-        self.interval = math.gcd(*(entry.interval for entry in cyclic))
-        """Common divisor of the tasks' intervals in ns; 0 if the program gives none."""
+        self._timer = timer
+        self.tasks, self.interval = make_tasks(executable)
+        """The tasks by priority; common divisor of their intervals in ns, 0 if they have none."""
+        self._tick = -1
+        self.offset = 0
+        """How much the program's time is behind: a test that was undone has not passed for it."""
+        self.version = 0
+        """Changes with everything but a scan that the next scan depends on."""
+        self.now = 0
+        """The program's time of the last scan."""
+        self.taken: Mapping[int, Value] = {}
+        """What the last scan found written to it, by slot."""
+        self.executed = 0
+        """How many instructions the last scan executed."""
         self._once = tuple(entry.name for entry in executable.entries if entry.once)
-        self._cyclic = tuple(
-            (entry.name, entry.interval // self.interval if entry.interval else 1)
-            for entry in cyclic)
+        self._first_instructions = sum(
+            routine.instructions for routine in executable.routines
+            if routine.active is None and routine.name in self._once)
+        self._executed_sum = 0
+        self._scans = 0
+        self._instructions = executable.instructions
         self._functions = self.prepared(self.variant)
 
     @property
@@ -62,6 +97,17 @@ class ScanCycle:
     def variant(self) -> Variant:
         """The form of the program that runs now."""
         return Variant(observed=self._observed, forced=frozenset(self.image.forces))
+
+    @property
+    def share(self) -> Share:
+        """How much of the program its scans execute."""
+        return Share(
+            instructions=self._instructions, executed=self.executed,
+            mean=self._executed_sum / self._scans if self._scans else 0.0)
+
+    def task_statistics(self) -> tuple[TaskStatistics, ...]:
+        """Return the statistics of each task, in the order in which they run."""
+        return tuple(task.read() for task in self.tasks)
 
     def prepared(self, variant: Variant) -> Functions:
         """Build a variant, or take it from the cache: a later switch to it takes no time."""
@@ -91,11 +137,13 @@ class ScanCycle:
         Raises TypeError if the value is not of the slot's type.
         """
         self.image.force(index, value)
+        self.version += 1
         self._functions = self.prepared(self.variant)
 
     def unforce(self, index: int) -> None:
         """Release a variable; an input goes back to what was last written to it."""
         self.image.unforce(index)
+        self.version += 1
         self._functions = self.prepared(self.variant)
 
     def observe(self, on: bool) -> None:
@@ -115,28 +163,56 @@ class ScanCycle:
         """
         self.image.restart(cold=cold)
         self._started = False
-        self.number = 0
+        self._tick = -1
+        self.offset = 0
+        self.version += 1
+        self._executed_sum = self._scans = 0
+        for task in self.tasks:
+            task.restart()
         self.observe(self._observed)
 
-    def scan(self, now: int) -> None:
-        """Run one scan at the time ``now`` in ns: inputs, what runs once, tasks that are due.
+    def scan(self, now: int, missed: int = 0, lateness: int = 0) -> None:
+        """Run one scan at the time ``now``: inputs, what runs once, tasks that are due.
 
+        ``missed`` intervals have passed without a scan since the last; tasks that were due in them
+        are due now.  ``lateness`` is how much after its deadline the scan begins.  Times in ns.
         Raises ProgramFault if the program fails; the state is then as the failure left it.
         """
-        self.image.freeze()
+        self.now = now = now - self.offset
+        self.taken = self.image.freeze()
+        timer = self._timer
+        began = timer() if timer is not None else 0
+        executed = 0
         if not self._started:
             self._started = True
+            executed = self._first_instructions
             for name in self._once:
                 self._run(name, now)
         elif self._powers:
             for name in self._once:
                 self._powers.pop(name, None)
-        for name, ratio in self._cyclic:
-            if self.number % ratio == 0:
+        last_tick = self._tick
+        self._tick = last_tick + 1 + missed
+        for task in self.tasks:
+            if not task.is_due(self.image.state, self._tick, last_tick):
+                continue
+            start = timer() if timer is not None else 0
+            for name in task.bodies:
                 self._run(name, now)
-        self.number += 1
+            executed += task.executed(self.image.state)
+            if timer is not None:
+                self._note(task, timer() - start, lateness + start - began)
+        self.executed = executed
+        self._executed_sum += executed
+        self._scans += 1
         if self.power is not None:
             self.power[:] = map(any, zip(*self._powers.values(), strict=True))
+
+    def _note(self, task: RunningTask, took: int, lateness: int) -> None:
+        try:
+            task.note(took, lateness)
+        except LadderError as error:
+            raise ProgramFault(task.bodies[-1], error) from error
 
     def _run(self, name: str, now: int) -> None:
         # Each body clears the whole list that it is given, so that it gets one of its own.
@@ -148,9 +224,50 @@ class ScanCycle:
         except Exception as error:
             raise ProgramFault(name, error) from error
 
+    # Other moments, other programs
+
+    def moment(self) -> Moment:
+        """Return a copy of all that the next scan depends on, for the same program later."""
+        return Moment(
+            executable=self.executable, state=list(self.state), forces=self.forces,
+            tick=self._tick, started=self._started, offset=self.offset,
+            sensed=tuple(task.sensed for task in self.tasks))
+
+    def go_to(self, moment: Moment) -> None:
+        """Go on from a moment of this program; nothing is pending."""
+        self.image = ProcessImage(self.executable)
+        self.image.state[:] = moment.state
+        for index, value in moment.forces.items():
+            self.image.force(index, value)
+        self._tick, self._started, self.offset = moment.tick, moment.started, moment.offset
+        for task, sensed in zip(self.tasks, moment.sensed, strict=True):
+            task.sensed = sensed
+        self.version += 1
+        self._functions = self.prepared(self.variant)
+
     def successor(self, executable: Executable) -> Successor:
         """Make ready to continue with another program, while this one still runs."""
         return Successor(self, executable)
+
+    def go_on_after(self, tried: ScanCycle, plan: StatePlan, passed: int) -> None:
+        """Go on where this program was left, after another one has been tried meanwhile.
+
+        Inputs, pending ones too, and forces are those of the other program; ``plan`` is how this
+        program's state would become the other's.  The time that has ``passed`` (ns) has not for
+        this program.  Takes no time if the variant was prepared before.
+        """
+        self.image.take_inputs(tried.image, plan)
+        self.offset = tried.offset + passed
+        self.version += 1
+        self._observed = tried._observed
+        self.observe(self._observed)
+
+    def variant_after(self, forced: frozenset[int], plan: StatePlan, observed: bool) -> Variant:
+        """Return the variant that :meth:`go_on_after` runs if the other has these forces."""
+        back = plan.back
+        kept = {index for index in self.image.forces if index not in plan.moves}
+        return Variant(observed=observed, forced=frozenset(
+            {back[index] for index in forced if index in back} | kept))
 
 
 class Successor:
@@ -159,8 +276,11 @@ class Successor:
     def __init__(self, old: ScanCycle, executable: Executable) -> None:
         """Do all that takes long."""
         self._old = old
-        self._new = ScanCycle(executable)
-        self.plan: SwapPlan = plan_swap(old.executable, executable)
+        self._new = ScanCycle(executable, old._timer)
+        plan = plan_state(old.executable, executable)
+        self.steps = plan.steps
+        self.report = report_swap(plan)
+        self.plan = replace(plan, steps=())
         self._new.prepared(self._variant())
 
     @property
@@ -173,17 +293,34 @@ class Successor:
             self.plan.moves[index] for index in self._old.forces if index in self.plan.moves)
         return Variant(observed=self._old.power is not None, forced=forced)
 
-    def take_over(self) -> tuple[ScanCycle, tuple[str, ...]]:
+    def take_over(self, *, copy: bool = False) -> tuple[ScanCycle, tuple[str, ...]]:
         """Return the new cycle in the old one's state, and the forced paths that it dropped.
 
-        Not while the old one scans; the old one is left as it was.  What runs once is not run
-        again: the program goes on.
+        Not while the old one scans.  What runs once is not run again: the program goes on.  With
+        ``copy`` the old one is left as it was; else equal layouts share their state.
         """
         old, new = self._old, self._new
         dropped = tuple(
             old.executable.slots[index].path
             for index in old.forces if index not in self.plan.moves)
-        new.image = old.image.moved(new.executable, self.plan.moves)
-        new.number, new._started = old.number, old._started
+        new.image.follow(old.image, self.plan, copy=copy)
+        new._started, new.offset = old._started, old.offset
+        new._tick = old._tick
+        if old.interval and new.interval and old.interval != new.interval:
+            new._tick = old._tick * old.interval // new.interval
+        _carry_events(old, new)
         new.observe(old.power is not None)
         return new, dropped
+
+
+def _carry_events(old: ScanCycle, new: ScanCycle) -> None:
+    """Let tasks that run by a variable know its last value; for a new one that is the present."""
+    before = {task.entry.name.casefold(): task for task in old.tasks}
+    for task in new.tasks:
+        if task.single is None:
+            continue
+        known = before.get(task.entry.name.casefold())
+        if known is not None and known.entry.single.casefold() == task.entry.single.casefold():
+            task.sensed = known.sensed
+        else:
+            task.sensed = bool(new.state[task.single])

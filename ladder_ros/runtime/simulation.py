@@ -4,14 +4,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+import os
 
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.executable import Executable, Slot
-from ladder_ros.model.types import Value
+from ladder_ros.model.types import NS_PER_MS, Value
+from ladder_ros.runtime.listeners import DEFAULT_INTERVAL
+from ladder_ros.runtime.names import find_slot, named_slots
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
-from ladder_ros.runtime.trace_csv import format_rows, InputTable
+from ladder_ros.runtime.trace_csv import format_rows, InputTable, read_inputs
+
+DEFAULT_SCANS = 100
+"""Scans of a simulation that has no table of inputs."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,3 +62,28 @@ def _fault_error(reason: str, entry: str, scan: int) -> LadderError:
     return LadderError.of(
         'L0506', Location(pou=entry), reason=reason,
         expected=f'it happened in scan {scan} (the first is 0) in the body {entry}')
+
+
+def prepare_simulation(
+    executable: Executable, *, inputs: str | os.PathLike[str] | InputTable | None = None,
+    scans: int | None = None, interval_ns: int | None = None, watch: Sequence[str] = (),
+) -> Simulation:
+    """Prepare a simulation; what is left out is filled in (see ``session.simulate``).
+
+    Raises LadderError (L0501 to L0505).
+    """
+    if inputs is None or isinstance(inputs, InputTable):
+        table = inputs
+    else:
+        table = read_inputs(inputs, executable)
+    if scans is None:
+        scans = len(table.rows) if table else DEFAULT_SCANS
+    if interval_ns is None:
+        interval_ns = ScanCycle(executable).interval or DEFAULT_INTERVAL
+    if interval_ns <= 0:
+        raise LadderError.of('L0505', Location(), value=f'{interval_ns / NS_PER_MS:g} ms',
+                             reason='time must go on from scan to scan')
+    slots = tuple(find_slot(executable, name) for name in watch)
+    return Simulation(
+        executable=executable, slots=slots or executable.io() or named_slots(executable),
+        scans=scans, interval_ns=interval_ns, inputs=table)

@@ -1,6 +1,6 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Statistics of the scans since the start."""
+"""Statistics of scans and of tasks since the start."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Statistics:
-    """Counts and times of the scans since the last start; times in ns.
+    """Counts and times of the executions since the last start; times in ns.
 
-    ``overruns`` counts scans that were not over when the next one was due, ``skipped`` the whole
-    intervals in which therefore, or because the machine was busy, no scan began.
+    ``overruns`` counts executions that were not over when the next one was due, ``skipped`` the
+    whole intervals in which therefore, or because the machine was busy, none began.  ``jitter_ns``
+    is how far apart the earliest and the latest beginning were, each against its deadline.
     """
 
     scans: int = 0
@@ -23,6 +24,25 @@ class Statistics:
     mean_ns: int = 0
     max_ns: int = 0
     max_lateness_ns: int = 0
+    jitter_ns: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Share:
+    """How many IL instructions scans execute, of ``instructions`` that the program has."""
+
+    instructions: int = 0
+    executed: int = 0
+    mean: float = 0.0
+
+    def to_json(self) -> dict[str, object]:
+        """Return it as plain JSON data: fractions from 0 to 1, null without instructions."""
+        total = self.instructions
+        return {
+            'instructions': total, 'executed': self.executed,
+            'last': self.executed / total if total else None,
+            'mean': self.mean / total if total else None,
+        }
 
 
 class Recorder:
@@ -36,28 +56,38 @@ class Recorder:
         self._least = 0
         self._sum = 0
         self._most = 0
-        self._lateness = 0
+        self._latest = 0
+        self._earliest = 0
 
     @property
     def scans(self) -> int:
-        """Number of scans so far."""
+        """Number of executions so far."""
         return self._scans
 
+    @property
+    def overruns(self) -> int:
+        """Number of executions so far that were not over when the next one was due."""
+        return self._overruns
+
     def scan(self, execution: int, lateness: int) -> None:
-        """Note a scan: how long it took, and how much after its deadline it began (ns)."""
+        """Note an execution: how long it took, and how much after its deadline it began (ns)."""
         self._last = execution
-        self._least = min(self._least, execution) if self._scans else execution
+        if self._scans:
+            self._least = min(self._least, execution)
+            self._earliest = min(self._earliest, lateness)
+        else:
+            self._least, self._earliest = execution, lateness
         self._most = max(self._most, execution)
         self._sum += execution
-        self._lateness = max(self._lateness, lateness)
+        self._latest = max(self._latest, lateness)
         self._scans += 1
 
     def overrun(self) -> None:
-        """Note that a scan was not over when the next one was due."""
+        """Note that an execution was not over when the next one was due."""
         self._overruns += 1
 
     def skip(self, intervals: int) -> None:
-        """Note that in so many intervals no scan began."""
+        """Note that in so many intervals no execution began."""
         self._skipped += intervals
 
     def read(self) -> Statistics:
@@ -66,4 +96,4 @@ class Recorder:
             scans=self._scans, overruns=self._overruns, skipped=self._skipped,
             last_ns=self._last, min_ns=self._least, max_ns=self._most,
             mean_ns=self._sum // self._scans if self._scans else 0,
-            max_lateness_ns=self._lateness)
+            max_lateness_ns=self._latest, jitter_ns=max(self._latest - self._earliest, 0))

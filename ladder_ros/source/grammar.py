@@ -37,6 +37,10 @@ IDENTIFIER = re.compile(r'[A-Za-z0-9_\-]+')
 """What may be an id of a rung or a component."""
 NUMBER = re.compile(r'[0-9]{1,5}|100000')
 SIZE = re.compile(r'[1-9][0-9]{0,4}|100000')
+_PART = r'[A-Za-z0-9_\-]+'
+_PLACE = rf'{_PART}(?:[./]{_PART})*'
+WAS = re.compile(rf'{_PLACE}(?:={_PLACE})?(?: +{_PLACE}(?:={_PLACE})?)*')
+"""Where state was in earlier programs: paths, or ``member=path``, with blanks between."""
 ADDRESS = re.compile(r'%[IQMiqm][XBWDLxbwdl]?[0-9]+(?:\.[0-9]+)*')
 """Directly represented variable (IEC 61131-3, 6.5.5)."""
 
@@ -96,22 +100,27 @@ RULES: Mapping[str, Rule] = {
     'parameter': Rule(
         required=('name', 'type', 'direction'), optional=('default', 'comment')),
     'composite/variable': Rule(
-        required=('name', 'type'), optional=('initial', 'retain', 'comment')),
+        required=('name', 'type'), optional=('initial', 'retain', 'was', 'comment')),
     'variables': Rule(children=(_many('variable'),)),
     'variables/variable': Rule(
-        required=('name', 'type'), optional=('class', 'initial', 'retain', 'at', 'comment')),
+        required=('name', 'type'),
+        optional=('class', 'initial', 'retain', 'at', 'was', 'comment')),
     'tasks': Rule(children=(_many('task'),)),
-    'task': Rule(required=('name', 'interval'), optional=('priority',)),
+    'task': Rule(
+        required=('name',),
+        optional=('interval', 'priority', 'single', 'watchdog', 'sensitivity')),
     'body': Rule(
         required=('name',), optional=('run', 'task', 'comment'), children=(_many('rung'),)),
     'rung': Rule(
         required=('id', 'width'), optional=('comment',), children=(_many(*COMPONENTS),)),
     'contact': Rule(
         required=('id', 'x', 'y', 'operand'),
-        optional=('width', 'height', 'kind', *_SIDES, *_TEXTS), children=(_SPECIFICATION,)),
+        optional=('width', 'height', 'kind', 'was', *_SIDES, *_TEXTS),
+        children=(_SPECIFICATION,)),
     'coil': Rule(
         required=('id', 'x', 'y', 'operand'),
-        optional=('width', 'height', 'kind', *_SIDES, *_TEXTS), children=(_SPECIFICATION,)),
+        optional=('width', 'height', 'kind', 'was', *_SIDES, *_TEXTS),
+        children=(_SPECIFICATION,)),
     'row': Rule(
         required=('id', 'x', 'y'), optional=('width', 'height', *_SIDES, *_TEXTS),
         children=(_SPECIFICATION,)),
@@ -119,13 +128,13 @@ RULES: Mapping[str, Rule] = {
         required=('id', 'x', 'y'), optional=('height', *_TEXTS), children=(_SPECIFICATION,)),
     'block': Rule(
         required=('id', 'x', 'y', 'type'),
-        optional=('width', 'height', 'instance', *_SIDES, *_TEXTS),
+        optional=('width', 'height', 'instance', 'was', *_SIDES, *_TEXTS),
         children=(_SPECIFICATION, _many('input', 'output'))),
     'input': Rule(required=('pin',), optional=('operand', 'source', 'row')),
     'output': Rule(required=('pin',), optional=('operand', 'row')),
     'instance': Rule(
         required=('id', 'x', 'y', 'composite', 'instance'),
-        optional=('width', 'height', *_SIDES, *_TEXTS),
+        optional=('width', 'height', 'was', *_SIDES, *_TEXTS),
         children=(_SPECIFICATION, _many('argument'))),
     'argument': Rule(required=('parameter',), optional=('operand', 'source')),
 }

@@ -9,6 +9,7 @@ same program, and writing that gives the same text, so that files compare line b
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 import re
 from typing import Union
 
@@ -135,13 +136,20 @@ def _variable(variable: Variable) -> _Lines:
     if variable.retain:
         attributes.append(('retain', 'true'))
     attributes += _optional('at', variable.address)
+    attributes += _optional('was', ' '.join(variable.was))
     attributes += _optional('comment', variable.comment)
     yield from _element('variable', attributes, [])
 
 
 def _task(task: Task) -> _Lines:
-    attributes = [('name', task.name), ('interval', format_time(task.interval))]
+    attributes = [('name', task.name)]
+    if task.interval:
+        attributes.append(('interval', format_time(task.interval)))
     attributes += _optional('priority', str(task.priority), '0')
+    attributes += _optional('single', task.single)
+    if task.watchdog:
+        attributes.append(('watchdog', format_time(task.watchdog)))
+    attributes += _optional('sensitivity', str(task.sensitivity), '1')
     yield from _element('task', attributes, [])
 
 
@@ -150,6 +158,15 @@ def _rung(rung: Rung) -> _Lines:
     attributes += _optional('comment', rung.comment)
     yield from _element('rung', attributes, (
         line for component in rung.components for line in _component(component)))
+
+
+def rung_text(rung: Rung) -> str:
+    """Return a rung as it stands in a file, but for where its state was in earlier programs."""
+    components = tuple(
+        replace(component, was=())
+        if isinstance(component, (Contact, Coil, Block, Instance)) else component
+        for component in rung.components)
+    return '\n'.join(_rung(replace(rung, components=components)))
 
 
 def _component(component: Component) -> _Lines:
@@ -184,6 +201,8 @@ def _component(component: Component) -> _Lines:
             raise InternalError('model_to_xml', 'our format has no wires', component.location)
         case _:
             assert_never(component)
+    if isinstance(component, (Contact, Coil, Block, Instance)):
+        attributes += _optional('was', ' '.join(component.was))
     attributes += _sides(component.placement)
     attributes += _optional('name', component.name)
     attributes += _optional('comment', component.comment)

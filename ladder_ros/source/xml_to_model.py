@@ -253,6 +253,19 @@ class _Reader:
                            f'it may have at most {grammar.MAX_OPERAND} characters')
         return bare
 
+    def was(self, element: Element) -> tuple[str, ...]:
+        """Return the places where the state of something was in earlier programs."""
+        value = element.attributes.get('was', '')
+        if not value:
+            return ()
+        if not grammar.WAS.fullmatch(value):
+            self.bad_value(
+                element, 'was', 'write paths with blanks between them: t1, floor1.Pressed, '
+                                'main/2/c1; in an instance also member=path')
+        elif element.tag != 'instance' and '=' in value:
+            self.bad_value(element, 'was', 'only an instance has members: write the path alone')
+        return tuple(value.split())
+
     def literal(self, element: Element, attribute: str, type_: DataType) -> Value:
         value = element.attributes[attribute]
         try:
@@ -329,7 +342,7 @@ class _Reader:
         return Variable(
             name=self.name(element, 'name'), type=type_ or DataType.BOOL,
             variable_class=self.word(element, 'class', VariableClass.LOCAL), initial=initial,
-            retain=self.flag(element, 'retain'), address=address,
+            retain=self.flag(element, 'retain'), address=address, was=self.was(element),
             comment=element.attributes.get('comment', ''), location=self.here(element))
 
     def parameter(self, element: Element) -> Parameter:
@@ -351,17 +364,27 @@ class _Reader:
     def task(self, element: Element) -> Task:
         self.count(element, 'tasks', grammar.MAX_TASKS)
         self.check(element, RULES['task'])
-        interval = 0
-        if 'interval' in element.attributes:
-            try:
-                interval = parse_time(element.attributes['interval'])
-            except ValueError:
-                interval = 0
-            if interval <= 0:
-                self.bad_value(element, 'interval', 'write a time above zero, such as T#10ms')
+        attributes = element.attributes
+        if 'interval' not in attributes and 'single' not in attributes:
+            self.report('L0114', element, name=attributes.get('name', ''))
         return Task(
-            name=self.name(element, 'name'), interval=interval,
-            priority=self.number(element, 'priority'), location=self.here(element))
+            name=self.name(element, 'name'), interval=self.duration(element, 'interval'),
+            priority=self.number(element, 'priority'), single=self.operand(element, 'single'),
+            watchdog=self.duration(element, 'watchdog'),
+            sensitivity=self.size(element, 'sensitivity'), location=self.here(element))
+
+    def duration(self, element: Element, attribute: str) -> int:
+        """Return a time above zero in ns; 0 where there is none."""
+        value = element.attributes.get(attribute)
+        if value is None:
+            return 0
+        try:
+            duration = parse_time(value)
+        except ValueError:
+            duration = 0
+        if duration <= 0:
+            self.bad_value(element, attribute, 'write a time above zero, such as T#10ms')
+        return duration
 
     def composite(self, element: Element) -> Composite:
         self.count(element, 'composites and bodies', grammar.MAX_POUS)
@@ -459,13 +482,15 @@ class _Reader:
             case 'contact':
                 return Contact(
                     id=identifier, placement=placement, operand=self.operand(element),
-                    kind=self.word(element, 'kind', ContactKind.NORMALLY_OPEN), name=name,
-                    comment=comment, specification=specification, location=place)
+                    kind=self.word(element, 'kind', ContactKind.NORMALLY_OPEN),
+                    was=self.was(element), name=name, comment=comment,
+                    specification=specification, location=place)
             case 'coil':
                 return Coil(
                     id=identifier, placement=placement, operand=self.operand(element),
-                    kind=self.word(element, 'kind', CoilKind.COIL), name=name,
-                    comment=comment, specification=specification, location=place)
+                    kind=self.word(element, 'kind', CoilKind.COIL),
+                    was=self.was(element), name=name, comment=comment,
+                    specification=specification, location=place)
             case 'row':
                 return Row(
                     id=identifier, placement=placement, name=name, comment=comment,
@@ -478,14 +503,16 @@ class _Reader:
                 return Block(
                     id=identifier, placement=placement, type=self.operand(element, 'type'),
                     instance=self.optional_name(element, 'instance'),
-                    inputs=tuple(inner['input']), outputs=tuple(inner['output']), name=name,
-                    comment=comment, specification=specification, location=place)
+                    inputs=tuple(inner['input']), outputs=tuple(inner['output']),
+                    was=self.was(element), name=name, comment=comment,
+                    specification=specification, location=place)
             case _:
                 return Instance(
                     id=identifier, placement=placement,
                     composite=self.operand(element, 'composite'),
                     instance=self.name(element, 'instance'), arguments=tuple(inner['argument']),
-                    name=name, comment=comment, specification=specification, location=place)
+                    was=self.was(element), name=name, comment=comment,
+                    specification=specification, location=place)
 
     def argument(self, element: Element) -> Argument:
         rule = RULES[element.tag]

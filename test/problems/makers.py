@@ -116,18 +116,19 @@ def busy_compiler(folder: Path) -> str:
     """Reload while a node is still compiling."""
     import rclpy
 
+    from ladder_ros.ros.lifecycle import make_node
     from ladder_ros.ros.parameters import read_settings
     from ladder_ros.ros.plc import Plc
     context = rclpy.Context()
     rclpy.init(context=context)
-    node = rclpy.create_node('plc_node', context=context)
+    node = make_node('plc_node', context=context)
     compiled = threading.Event()
-    settings = read_settings({'program': str(folder / 'program.xml'), 'autostart': False})[0]
+    settings = read_settings({'program': str(folder / 'program.xml'), 'retain_file': ''})[0]
     plc = Plc(node, settings)
     try:
         plc.open()
-        plc._worker = threading.Thread(target=compiled.wait)
-        plc._worker.start()
+        plc.cell.loader.worker = threading.Thread(target=compiled.wait)
+        plc.cell.loader.worker.start()
         return _error_of(plc.reload).replace(f'{folder}/', '')
     finally:
         compiled.set()

@@ -56,6 +56,15 @@ def program(variables: dict[str, str], *rungs: str, interval: str = '10ms') -> s
             f'<body name="main" task="main">{"".join(rungs)}</body></ladder>')
 
 
+def overrunning(rungs: int = 300, watchdog: str = 'T#100us') -> str:
+    """Return a program that takes longer than its watchdog allows, with the output ``motor``."""
+    text = program(
+        {'a': 'input BOOL', 'motor': 'output BOOL', 'on': 'local BOOL TRUE'},
+        series(1, ['on'], 'motor'),
+        *(series(number, ['a', '/a', 'on'], 'on', 'set') for number in range(2, rungs)))
+    return text.replace('T#10ms"', f'T#10ms" watchdog="{watchdog}" sensitivity="3"')
+
+
 COPY = program({'a': 'input BOOL', 'b': 'output BOOL'}, series(1, ['a'], 'b'))
 """b follows a."""
 
@@ -163,6 +172,21 @@ class Client:
         report = json.loads(response.message)
         assert report['success'] is response.success
         return dict(report)
+
+    def change_state(self, transition: str, number: int = 0) -> bool:
+        """Ask for a transition of the life cycle; say whether it was made."""
+        from lifecycle_msgs.srv import ChangeState
+
+        request = ChangeState.Request()
+        request.transition.label, request.transition.id = transition, number
+        return bool(self._ask(ChangeState, f'{self.plc}/change_state', request).success)
+
+    def lifecycle(self) -> str:
+        """Return the state of the life cycle."""
+        from lifecycle_msgs.srv import GetState
+
+        return str(self._ask(
+            GetState, f'{self.plc}/get_state', GetState.Request()).current_state.label)
 
     def set_parameter(self, name: str, value: Any) -> Any:
         """Set a parameter; return ``successful`` and ``reason``."""

@@ -14,6 +14,8 @@ import pytest
 from ros.client import Client, connected, new_namespace, write_parameters
 from support.processes import ManagedProcess
 
+from ladder_ros.ros.parameters import read_settings
+
 
 @dataclass
 class Running:
@@ -28,12 +30,14 @@ class Running:
 @pytest.fixture
 def start_node(ros_domain_id: int, process: Any, tmp_path: Path) -> Callable[..., Any]:
     """Start ``plc_node`` with parameters; returns the process and its namespace."""
-    def start(parameters: dict[str, Any], *arguments: str) -> tuple[ManagedProcess, str]:
-        namespace = new_namespace()
+    def start(
+        parameters: dict[str, Any], *arguments: str, namespace: str = '',
+    ) -> tuple[ManagedProcess, str]:
+        namespace = namespace or new_namespace()
         path = write_parameters(tmp_path / f'parameters{namespace[1:]}.yaml', parameters)
         child = process(
             '-m', 'ladder_ros.ros.node', *arguments, '--ros-args', '-r', f'__ns:={namespace}',
-            '--params-file', str(path), cwd=tmp_path)
+            '--params-file', str(path), cwd=tmp_path, env={'ROS_HOME': str(tmp_path / 'ros')})
         return child, namespace
 
     return start
@@ -55,3 +59,29 @@ def plc(start_node: Any, tmp_path: Path) -> Iterator[Callable[..., Running]]:
             return Running(process=child, client=client, file=file, namespace=namespace)
 
         yield start
+
+
+@pytest.fixture
+def make_plc(ros_domain_id: int) -> Iterator[Callable[..., Any]]:
+    """Make a Plc on a node in this process."""
+    import rclpy
+    from rclpy.signals import SignalHandlerOptions
+
+    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+    made: list[Any] = []
+
+    def make(namespace: str, **overrides: Any) -> Any:
+        from ladder_ros.ros.lifecycle import make_node
+        from ladder_ros.ros.plc import Plc
+
+        node = make_node('plc_node', namespace=namespace)
+        settings, found = read_settings({'retain_file': '', **overrides})
+        assert not found
+        made.append((node, Plc(node, settings)))
+        return made[-1][1]
+
+    yield make
+    for node, plc in made:
+        plc.close()
+        node.destroy_node()
+    rclpy.shutdown()

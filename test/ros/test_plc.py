@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,6 @@ from ros.client import connected, COPY, new_namespace, until
 
 from ladder_ros.executable import Entry, Executable, Slot, SlotClass, State
 from ladder_ros.model.types import DataType
-from ladder_ros.ros.parameters import read_settings
 
 pytestmark = pytest.mark.ros
 
@@ -41,37 +40,12 @@ class Trap:
             by_path={slot.path: slot for slot in slots})
 
 
-@pytest.fixture
-def make_plc(ros_domain_id: int) -> Iterator[Callable[..., Any]]:
-    """Make a Plc on a node in this process."""
-    import rclpy
-    from rclpy.signals import SignalHandlerOptions
-
-    rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
-    made: list[Any] = []
-
-    def make(namespace: str, **overrides: Any) -> Any:
-        from ladder_ros.ros.plc import Plc
-
-        node = rclpy.create_node('plc_node', namespace=namespace)
-        settings, found = read_settings(overrides)
-        assert not found
-        made.append((node, Plc(node, settings)))
-        return made[-1][1]
-
-    yield make
-    for node, plc in made:
-        plc.close()
-        node.destroy_node()
-    rclpy.shutdown()
-
-
 def test_fault_when_the_program_fails_then_safe_values_and_the_reason_are_published(
         make_plc: Callable[..., Any]) -> None:
     from std_msgs.msg import Bool
 
     from ladder_ros.ros.io_map import resolve_io
-    from ladder_ros.ros.plc import Prepared
+    from ladder_ros.ros.loading import Prepared
     from ladder_ros.session import Loaded
 
     trap = Trap()
@@ -81,8 +55,8 @@ def test_fault_when_the_program_fails_then_safe_values_and_the_reason_are_publis
     executable = trap.executable()
     io_map = resolve_io(
         executable, plc._settings.io, lambda topic: topic.replace('~', 'plc_node'), strict=True)
-    plc._install(Prepared(path=Path('trap'), io_map=io_map, loaded=Loaded(
-        path='trap', name='trap', source_hash='0', executable=executable)))
+    plc._prepared = Prepared(path=Path('trap'), io_map=io_map, loaded=Loaded(
+        path='trap', name='trap', source_hash='0', executable=executable))
     plc.start()
     with connected(namespace) as client:
         motor = client.listen(f'{namespace}/plc_node/motor', Bool, latched=True)
@@ -94,7 +68,8 @@ def test_fault_when_the_program_fails_then_safe_values_and_the_reason_are_publis
     assert 'a fault of the program' in state['last_fault']['reason']
     scan = plc._tasks()[0]
     assert (scan.level, scan.message) == (b'\2', 'faulted')
-    assert plc.reset() == {'state': 'stopped'}
+    assert plc.reset() == {'kind': 'cold'}
+    assert plc.state()['state'] == 'stopped'
 
 
 def test_program_when_topics_cannot_be_made_then_nothing_changes(

@@ -199,7 +199,8 @@ def test_outputs_when_stopped_and_started_then_safe_and_true_values_alternate(
     follows = running.client.listen(f'{name}/b', Bool, latched=True)
     running.client.send(f'{name}/a', Bool, True)
     follows.wait(True)
-    assert running.client.call('stop') == {'success': True, 'state': 'stopped'}
+    assert running.client.call('stop') == {
+        'success': True, 'state': 'stopped', 'lifecycle': 'inactive'}
     follows.wait(False)
     assert running.client.call('start')['state'] == 'running'
     follows.wait(True)
@@ -214,7 +215,7 @@ def test_services_when_not_possible_now_then_they_say_why(plc: Start) -> None:
 
 
 def test_node_when_autostart_is_off_then_it_waits_for_start(plc: Start) -> None:
-    running = plc(COPY, state='stopped', autostart=False)
+    running = plc(COPY, state='empty', autostart=False)
     assert running.client.state()['scans'] == 0
     running.client.call('start')
     running.client.wait_state(state='running')
@@ -242,8 +243,15 @@ def test_diagnostics_when_running_then_scan_program_and_io_are_there(plc: Start)
     reports = running.client.listen('/diagnostics', DiagnosticArray, field='status')
     statuses = until(reports.last, 'diagnostics')
     assert [status.name for status in statuses] == [
-        'plc_node: scan', 'plc_node: program', 'plc_node: I/O']
-    assert [status.level for status in statuses] == [b'\0', b'\0', b'\0']
+        f'plc_node: {task}' for task in (
+            'scan', 'program', 'I/O', 'forces', 'change', 'retain', 'task main')]
+    assert {status.level for status in statuses} == {b'\0'}
+    values = {pair.key: pair.value for status in statuses for pair in status.values}
+    assert values['program'] == 'test' and values['hash'] == running.client.state()['hash']
+    assert 0 < float(values['share_mean']) <= 1 and int(values['overruns']) >= 0
+    assert running.client.set_parameter('forces', ['b=TRUE']).successful
+    until(lambda: [status.message for status in reports.last() if status.level == b'\1'] == [
+        '1 variables are forced'], 'a warning of the force')
 
 
 def test_simulated_time_when_the_clock_steps_then_scans_and_timers_step_with_it(
@@ -257,6 +265,8 @@ def test_simulated_time_when_the_clock_steps_then_scans_and_timers_step_with_it(
         status_period=0.1)
     done = running.client.listen(f'{running.namespace}/plc_node/done', Bool, latched=True)
     clock = running.client.publisher('/clock', Clock)
+    # The client library listens to it too, for its own time.
+    until(lambda: clock.get_subscription_count() >= 2, 'both subscriptions')
 
     def step(milliseconds: int) -> None:
         message = Clock()

@@ -225,16 +225,16 @@ def test_restart_when_done_then_what_runs_once_runs_again() -> None:
 
 
 def test_successor_when_it_takes_over_then_same_path_and_identity_keep_their_value() -> None:
-    old = ScanCycle(executable('same:INT:local typed:INT:local gone:INT:local'))
+    old = ScanCycle(executable('same:INT:local typed:DINT:local gone:INT:local'))
     for index in range(3):
         old.write(index, 5)
     old.scan(0)
-    successor = old.successor(executable('new:INT:local typed:DINT:local SAME:INT:local'))
+    successor = old.successor(executable('new:INT:local typed:INT:local SAME:INT:local'))
     new, _ = successor.take_over()
     assert new.state == [0, 0, 5]
-    assert successor.plan.kept == ('same',)
-    assert successor.plan.initialised == ('new', 'typed')
-    assert successor.plan.dropped == ('typed', 'gone')
+    assert successor.report.kept == ('SAME',)
+    assert successor.report.initialised == ('new', 'typed')
+    assert successor.report.dropped == ('typed', 'gone')
 
 
 def test_successor_when_inputs_are_pending_then_they_reach_the_new_program() -> None:

@@ -1,0 +1,109 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Exchange: the program that runs, the one that waits to come back, the one in the shadow.
+
+Everything here happens between two scans, and takes as little time as it can.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+import threading
+
+from ladder_ros.runtime.clock import Clock
+from ladder_ros.runtime.listeners import Listeners
+from ladder_ros.runtime.online_change import Gap, SwapReport
+from ladder_ros.runtime.scan_cycle import ScanCycle, Successor
+from ladder_ros.runtime.shadow import Shadow
+from ladder_ros.runtime.trial import ChangeKind, ProgramChange, Trial
+
+
+class Exchange:
+    """What a controller runs.  No scan may run while a method is called."""
+
+    def __init__(self, clock: Clock, listeners: Listeners) -> None:
+        """Nothing runs yet."""
+        self._clock = clock
+        self._listeners = listeners
+        self.cycle: ScanCycle | None = None
+        self.trial: Trial | None = None
+        self.shadow: Shadow | None = None
+        self.lock = threading.Lock()
+        """Held while the program is exchanged, so that no written value is lost."""
+        self._last_began: int | None = None
+        self._gap: Gap | None = None
+
+    def put(self, cycle: ScanCycle | None) -> None:
+        """Load a program, or none."""
+        with self.lock:
+            self.cycle = cycle
+        self.shadow = None
+
+    def restarted(self) -> None:
+        """Note that no scan has run since a start."""
+        self._last_began = None
+
+    def scanning(self, began: int) -> None:
+        """Note when a scan began (ns)."""
+        if self._gap is not None and self._last_began is not None:
+            self._gap.ns = began - self._last_began
+        self._gap = None
+        self._last_began = began
+
+    def take_over(
+        self, old: ScanCycle, successor: Successor, *, timeout: int | None = None,
+        overrun_limit: int | None = None, overruns: int = 0,
+    ) -> SwapReport:
+        """Put another program in the place of the old one; with a ``timeout`` (ns) on test."""
+        kind = ChangeKind.CHANGE if timeout is None else ChangeKind.TEST
+        began = self._clock.now()
+        with self.lock:
+            new, forces_dropped = successor.take_over(copy=timeout is not None)
+            self.cycle = new
+        pause = self._clock.now() - began
+        report = replace(successor.report, forces_dropped=forces_dropped, pause_ns=pause,
+                         gap=self._open_gap())
+        if timeout is not None:
+            self.trial = Trial(
+                old=old, plan=successor.plan, report=report, began=began, timeout=timeout,
+                overrun_limit=overrun_limit, overruns_before=overruns)
+        self._changed(ProgramChange(
+            kind=kind, before=old.executable, after=new.executable, report=report))
+        return report
+
+    def go_back(self, tried: ScanCycle, reason: str) -> bool:
+        """End a test with the old program; say whether there was one."""
+        trial = self.trial
+        if trial is None:
+            return False
+        began = self._clock.now()
+        with self.lock:
+            trial.old.go_on_after(tried, trial.plan, began - trial.began)
+            self.cycle, self.trial = trial.old, None
+        report = replace(
+            trial.report, pause_ns=self._clock.now() - began, gap=self._open_gap())
+        self._changed(ProgramChange(
+            kind=ChangeKind.UNTEST, before=tried.executable, after=trial.old.executable,
+            report=report, reason=reason))
+        return True
+
+    def accept(self, tried: ScanCycle) -> bool:
+        """End a test with the new program; say whether there was one."""
+        trial, self.trial = self.trial, None
+        if trial is None:
+            return False
+        self._listeners.tell_change(ProgramChange(
+            kind=ChangeKind.ACCEPT, before=trial.old.executable, after=tried.executable,
+            report=trial.report))
+        return True
+
+    def _changed(self, change: ProgramChange) -> None:
+        if self.shadow is not None:
+            self.shadow.end('the running program was changed')
+        self._listeners.tell_change(change)
+
+    def _open_gap(self) -> Gap:
+        gap = Gap()
+        if self._last_began is not None:
+            self._gap = gap
+        return gap
