@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
-import hashlib
 import os
 import threading
 
@@ -41,7 +40,7 @@ from ladder_ros.runtime.statistics import Statistics
 from ladder_ros.runtime.trace_csv import format_rows, InputTable, read_inputs
 from ladder_ros.runtime.values import check_value, format_value, parse_value
 from ladder_ros.source.model_to_xml import write_program
-from ladder_ros.source.read_any import folder_hash, openplc_folder, parse_any, read_any
+from ladder_ros.source.read_any import file_hash, folder_hash, openplc_folder, parse_any, read_any
 from ladder_ros.source.xml_tree import read_file
 
 __all__ = [
@@ -106,7 +105,7 @@ def _read(path: str | os.PathLike[str]) -> tuple[Program, str]:
     if folder is not None:
         return read_any(path), folder_hash(folder)
     data = read_file(path)
-    return parse_any(data, os.fspath(path)), hashlib.sha256(data).hexdigest()
+    return parse_any(data, os.fspath(path)), file_hash(data, os.fspath(path))
 
 
 def check(path: str | os.PathLike[str]) -> tuple[Diagnostic, ...]:
