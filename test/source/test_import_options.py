@@ -14,7 +14,7 @@ from ladder_ros.executable import Variant
 from ladder_ros.model.program import Order
 from ladder_ros.source.read_any import file_hash, read_any
 
-PROJECT = '''<project xmlns="http://www.plcopen.org/xml/tc6_0201"><types><dataTypes/><pous>
+PROJECT = """<project xmlns="http://www.plcopen.org/xml/tc6_0201"><types><dataTypes/><pous>
 <pou name="main" pouType="program"><interface><localVars>
 <variable name="k"><type><BOOL/></type></variable>
 <variable name="v"><type><derived name="VALVE"/></type></variable>
@@ -28,7 +28,7 @@ PROJECT = '''<project xmlns="http://www.plcopen.org/xml/tc6_0201"><types><dataTy
 <coil localId="3"><position x="60" y="0"/><connectionPointIn>
 <connection refLocalId="2" formalParameter="ISOPEN"/></connectionPointIn>
 <variable>k</variable></coil>
-</LD></body></pou></pous></types><instances><configurations/></instances></project>'''
+</LD></body></pou></pous></types><instances><configurations/></instances></project>"""
 
 
 def _project(folder: Path, options: str | None) -> Path:
