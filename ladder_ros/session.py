@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import datetime, timezone
-import hashlib
 import os
 
 from ladder_ros.compiler.background import COMPILER
@@ -50,7 +49,7 @@ from ladder_ros.runtime.trace_csv import format_rows, InputTable
 from ladder_ros.runtime.trial import ChangeKind, DEFAULT_OVERRUN_LIMIT, DEFAULT_TIMEOUT
 from ladder_ros.runtime.values import format_value, parse_value
 from ladder_ros.source.model_to_xml import write_program
-from ladder_ros.source.read_any import folder_hash, openplc_folder, parse_any, read_any
+from ladder_ros.source.read_any import file_hash, folder_hash, openplc_folder, parse_any, read_any
 from ladder_ros.source.xml_tree import read_file
 
 __all__ = [
@@ -105,7 +104,7 @@ def _read(path: str | os.PathLike[str]) -> tuple[Program, str]:
     if folder is not None:
         return read_any(path), folder_hash(folder)
     data = read_file(path)
-    return parse_any(data, os.fspath(path)), hashlib.sha256(data).hexdigest()
+    return parse_any(data, os.fspath(path)), file_hash(data, os.fspath(path))
 
 
 def check(path: str | os.PathLike[str]) -> tuple[Diagnostic, ...]:
@@ -291,8 +290,10 @@ class Session:
             backend = before.backend if before else DEFAULT_BACKEND
         if not self._background or self.state is not ControllerState.RUNNING:
             return compile_file(path, backend)
+        if openplc_folder(os.fspath(path)) is not None:
+            return compile_file(path, backend)
         data = read_file(path)
-        source_hash = hashlib.sha256(data).hexdigest()
+        source_hash = file_hash(data, os.fspath(path))
         if before is not None and (before.source_hash, before.backend) == (source_hash, backend):
             return Loaded(path=os.fspath(path), name=before.name, source_hash=source_hash,
                           executable=before.executable, diagnostics=before.diagnostics)

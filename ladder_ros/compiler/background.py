@@ -31,7 +31,7 @@ from ladder_ros.compiler.worker import receive, send
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.executable import Executable, Scan, State, Variant
 from ladder_ros.model.types import DataType
-from ladder_ros.source.read_any import parse_any
+from ladder_ros.source.read_any import file_hash, parse_any
 
 DEFAULT_TIMEOUT = 60.0
 """Seconds that a program may take to be compiled."""
@@ -126,7 +126,7 @@ class CompilerProcess:
         Raises LadderError with every error that was found, L0521 if it takes longer than
         ``timeout`` seconds.  Without another process it is done in this one.
         """
-        source_hash = hashlib.sha256(data).hexdigest()
+        source_hash = file_hash(data, file)
         key = hashlib.sha256(f'{source_hash} {backend} {file}'.encode(errors='replace'))
         source = (data, file, backend, source_hash)
         if backend not in BACKENDS:
@@ -250,13 +250,14 @@ def _load(stream: BinaryIO) -> Any:
 
 
 def _read_layout(stream: BinaryIO) -> dict[str, Any]:
-    name, backend, source_hash, parts = _load(stream)
+    name, backend, source_hash, aliases, parts = _load(stream)
     found: dict[str, list[Any]] = {
         key: [] for key in ('slots', 'components', 'entries', 'routines', 'tasks', 'rungs')}
     for _ in range(parts):
         key, items = _load(stream)
         found[key] += items
     by_path = {slot.path.casefold(): slot for slot in found['slots']}
+    by_path.update((path, found['slots'][index]) for path, index in aliases.items())
     return {'name': name, 'backend': backend, 'source_hash': source_hash, 'by_path': by_path,
             **{key: tuple(items) for key, items in found.items()}}
 

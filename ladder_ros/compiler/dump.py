@@ -13,7 +13,7 @@ from ladder_ros.compiler.il_to_python import emit_python
 from ladder_ros.compiler.imported import is_imported
 from ladder_ros.compiler.lay_out import lay_out
 from ladder_ros.compiler.link import link_code, list_components
-from ladder_ros.compiler.pipeline import analyse, build_trees, lower, Stages
+from ladder_ros.compiler.pipeline import analyse, build_trees, completed, lower, Stages
 from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.compiler.tree_to_drawing import draw_forest
 from ladder_ros.diagnostics import has_errors, LadderError
@@ -25,6 +25,7 @@ def dump_stage(program: Program, stage: str, pou: str | None = None) -> str:
 
     Raises LadderError if the program has errors before that stage, or lacks the POU (L0502).
     """
+    program = completed(program)
     stages = analyse(program)
     if has_errors(stages.diagnostics):
         raise LadderError(stages.diagnostics)
@@ -39,6 +40,7 @@ def with_drawings(program: Program) -> Program:
     pous: list[Pou] = [*program.composites, *program.bodies]
     if not any(is_imported(pou) for pou in pous):
         return program
+    program = completed(program)
     stages = analyse(program)
     if has_errors(stages.diagnostics):
         raise LadderError(stages.diagnostics)
@@ -102,7 +104,7 @@ def _il(program: Program, stages: Stages, pou: str | None) -> str:
 
 def _python(program: Program, stages: Stages, pou: str | None) -> str:
     code = _code(program, stages, pou)
-    slots = {slot.path.casefold(): slot for slot in lay_out(program, stages.symbols, code)}
+    slots = lay_out(program, stages.symbols, code)
     components = list_components(program, code, stages.graphs, slots)
     return emit_python(
         code, {path: slot.index for path, slot in slots.items()},

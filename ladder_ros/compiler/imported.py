@@ -94,5 +94,5 @@ def unsupported_bodies(pous: Sequence[Pou], needed: Sequence[Pou]) -> tuple[Diag
     keys: Mapping[str, Pou] = {pou_key(pou): pou for pou in needed}
     return tuple(
         problem('L0240' if pou_key(pou) in keys else 'L0241', pou.location, name=pou.name,
-                language=pou.unsupported)
+                reason=pou.unsupported)
         for pou in pous if pou.unsupported)

@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from ladder_ros.compiler.access_keys import storage_key
 from ladder_ros.compiler.history import earlier_paths
 from ladder_ros.compiler.il import active_flag, Instruction, InstructionList, Op
 from ladder_ros.compiler.stub_blocks import STUB
@@ -31,8 +32,13 @@ _CLASS = {
 }
 
 
-def lay_out(program: Program, symbols: Symbols, code: InstructionList) -> tuple[Slot, ...]:
-    """Return the slots of the program's state: variables, then blocks and memories as used."""
+def lay_out(program: Program, symbols: Symbols, code: InstructionList) -> Mapping[str, Slot]:
+    """Return the slots of the program's state by casefolded path, in the order of their indices.
+
+    Variables come first, then blocks and memories as used.  Variables of one type at one address
+    are one slot, named after the first, with the initial value of the last (as compilers of other
+    people initialise each in turn).
+    """
     layout = _Layout(symbols=symbols, keeps_inputs=program.dialect != 'native')
     layout.add(ARITHMETIC_ERRORS, DataType.LINT, SlotClass.SYSTEM, 0)
     for variable in program.variables:
@@ -46,19 +52,22 @@ def lay_out(program: Program, symbols: Symbols, code: InstructionList) -> tuple[
             call = instruction.call
             if instruction.op is Op.RUN and call is not None:
                 layout.add_instance(f'{call.instance}.', composites[call.name.casefold()])
-    slots = tuple(layout.slots.values())
     history = earlier_paths(program)
     if history is None:
-        return slots
-    return tuple(replace(slot, was=history.of(slot.path)) for slot in slots)
+        return layout.slots
+    return {path: replace(slot, was=history.of(slot.path)) for path, slot in layout.slots.items()}
 
 
 def _io_class(variable: Variable) -> SlotClass:
     """Return the slot class; a located variable is I/O whatever its class says (DESIGN 5)."""
-    located = {'%I': SlotClass.INPUT, '%Q': SlotClass.OUTPUT}.get(variable.address[:2].upper())
-    if variable.variable_class is VariableClass.LOCAL and located is not None:
-        return located
+    if variable.variable_class is VariableClass.LOCAL:
+        return _located_class(variable)
     return _CLASS[variable.variable_class]
+
+
+def _located_class(variable: Variable) -> SlotClass:
+    return {'%I': SlotClass.INPUT, '%Q': SlotClass.OUTPUT}.get(
+        variable.address[:2].upper(), SlotClass.LOCAL)
 
 
 @dataclass(slots=True, kw_only=True)
@@ -68,6 +77,9 @@ class _Layout:
     """Whether the inputs of blocks are variables too (imported programs)."""
     slots: dict[str, Slot] = field(default_factory=dict)
     instances: set[str] = field(default_factory=set)
+    located: dict[str, list[str]] = field(default_factory=dict)
+    """Paths of the variables at an address."""
+    count: int = 0
 
     def add(
         self, path: str, type_: DataType, slot_class: SlotClass, initial: Value,
@@ -75,10 +87,14 @@ class _Layout:
     ) -> None:
         key = path.casefold()
         if key not in self.slots:
-            self.slots[key] = Slot(
-                index=len(self.slots), path=path, type=type_, slot_class=slot_class,
+            self._new(Slot(
+                index=self.count, path=path, type=type_, slot_class=slot_class,
                 initial=initial, identity=identity or type_.value, quiet=quiet, senses=senses,
-                negated=negated)
+                negated=negated))
+
+    def _new(self, slot: Slot) -> None:
+        self.slots[slot.path.casefold()] = slot
+        self.count += 1
 
     def add_variable(
         self, prefix: str, variable: Variable | Parameter, slot_class: SlotClass,
@@ -90,10 +106,23 @@ class _Layout:
             initial, retain, address = variable.initial, variable.retain, variable.address
         for suffix, type_, value in leaves(variable.type, initial):
             path = f'{prefix}{variable.name}{suffix}'
-            self.slots.setdefault(path.casefold(), Slot(
-                index=len(self.slots), path=path, type=type_, slot_class=slot_class,
+            if path.casefold() in self.slots:
+                continue
+            if isinstance(variable, Variable) and address and not suffix:
+                sharing = self.located.setdefault(storage_key(variable), [])
+                sharing.append(path.casefold())
+                if len(sharing) > 1:
+                    self._share(sharing, value, retain)
+                    continue
+            self._new(Slot(
+                index=self.count, path=path, type=type_, slot_class=slot_class,
                 initial=value, identity=type_.value, retain=retain, address=address,
                 comment=variable.comment, location=variable.location))
+
+    def _share(self, paths: Sequence[str], initial: Value, retain: bool) -> None:
+        first = self.slots[paths[0]]
+        shared = replace(first, initial=initial, retain=first.retain or retain)
+        self.slots.update(dict.fromkeys(paths, shared))
 
     def add_scope(self, prefix: str, scope: Scope) -> None:
         """Add what the instances of a POU keep, nested ones too."""
@@ -160,8 +189,13 @@ def _is_edge_memory(block: str, pin: str) -> bool:
 
 
 def _instance_class(composite: Composite, variable: Variable | Parameter) -> SlotClass:
-    """Return the slot class in an instance: the pins of a stand-in are the program's I/O."""
-    if composite.category != STUB or not isinstance(variable, Parameter):
+    """Return the slot class in an instance.
+
+    Located variables of a program that has instances are I/O, and so are a stand-in's pins.
+    """
+    if isinstance(variable, Variable):
+        return _located_class(variable)
+    if composite.category != STUB:
         return SlotClass.LOCAL
     is_input = variable.direction is Direction.INPUT
     return SlotClass.OUTPUT if is_input else SlotClass.INPUT

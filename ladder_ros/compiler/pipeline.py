@@ -11,8 +11,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
+from ladder_ros.compiler.access_keys import access_key
 from ladder_ros.compiler.aov import Aov
-from ladder_ros.compiler.aov_to_tree import AccessKey, reduce_to_tree, sequence
+from ladder_ros.compiler.aov_to_tree import reduce_to_tree, sequence
 from ladder_ros.compiler.checks import check_coils, check_size
 from ladder_ros.compiler.il import InstructionList, Network
 from ladder_ros.compiler.il_interpreter import interpret_il
@@ -27,9 +28,10 @@ from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
 from ladder_ros.compiler.st_to_il import lower_statements
 from ladder_ros.compiler.stub_blocks import stub_unknown_blocks
-from ladder_ros.compiler.symbols import Element, Literal, Operand, pou_key, Symbols
+from ladder_ros.compiler.symbols import pou_key, Symbols
 from ladder_ros.compiler.tree import Forest
 from ladder_ros.compiler.tree_to_il import lower_to_il
+from ladder_ros.compiler.wired_types import declare_missing
 from ladder_ros.compiler.wires_to_aov import build_wired_aovs
 from ladder_ros.compiler.wiring import Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
@@ -71,16 +73,14 @@ def compile_program(
     """
     if backend not in BACKENDS:
         raise LadderError.of('L0504', program.location, name=backend, known=', '.join(BACKENDS))
-    if stubs:
-        program = stub_unknown_blocks(program)
+    program = completed(program, stubs=stubs)
     stages = analyse(program)
     if has_errors(stages.diagnostics):
         raise LadderError(stages.diagnostics)
     forests = build_trees(program, stages)
     code = link_code(program, {**lower(forests), **stages.texts})
     verify_il(code)
-    slots = lay_out(program, stages.symbols, code)
-    by_path = {slot.path.casefold(): slot for slot in slots}
+    by_path = lay_out(program, stages.symbols, code)
     index = {path: slot.index for path, slot in by_path.items()}
     components = list_components(program, code, stages.graphs, by_path)
     component_index = {entry.path: entry.index for entry in components}
@@ -93,13 +93,21 @@ def compile_program(
         return BACKENDS[backend](chosen, index, component_index, variant)
 
     executable = Executable(
-        name=program.name, backend=backend, slots=slots, components=components,
-        source_hash=source_hash, build=build,
+        name=program.name, backend=backend, slots=tuple(dict.fromkeys(by_path.values())),
+        components=components, source_hash=source_hash, build=build,
         entries=tuple(_entry(program, body) for body in program.bodies), by_path=by_path,
         tasks=tasks, rungs=list_rungs(program),
         routines=list_routines(code, index))
     return Compilation(
         executable=executable, diagnostics=stages.diagnostics + check_coils(code, components))
+
+
+def completed(program: Program, *, stubs: bool = False) -> Program:
+    """Return an imported program with what its file left out: missing variables, stand-ins."""
+    if program.dialect == 'native':
+        return program
+    program = declare_missing(program)
+    return stub_unknown_blocks(program) if stubs or program.stubs else program
 
 
 def check_program(program: Program, *, stubs: bool = False) -> tuple[Diagnostic, ...]:
@@ -187,7 +195,7 @@ def build_trees(
     Inline composites are part of their users' rungs; ``inline`` asks for theirs too, to be shown.
     """
     return {
-        pou_key(pou): [reduce_to_tree(aov, _access_key(pou)) for aov in
+        pou_key(pou): [reduce_to_tree(aov, access_key(program, pou)) for aov in
                        stages.graphs[pou_key(pou)]]
         for pou in _pous(program)
         if pou_key(pou) in stages.graphs and (inline or not _is_inline(pou))}
@@ -209,21 +217,6 @@ def _pous(program: Program) -> tuple[Pou, ...]:
 
 def _is_inline(pou: Pou) -> bool:
     return not isinstance(pou, Body) and pou.call is CallKind.INLINE
-
-
-def _access_key(pou: Pou) -> AccessKey:
-    """Return what tells operands of a POU apart: parameters of a type may be one variable."""
-    parameters = {} if isinstance(pou, Body) else {
-        p.name.casefold(): f'parameter of type {p.type}' for p in pou.parameters}
-
-    def key(operand: Operand) -> str | None:
-        if isinstance(operand, Literal):
-            return None
-        ref = operand.first if isinstance(operand, Element) else operand
-        name = ref.path.casefold().partition('[')[0]
-        return parameters.get(name, name)
-
-    return key
 
 
 def _entry(program: Program, body: Body) -> Entry:

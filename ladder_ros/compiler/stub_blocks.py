@@ -12,26 +12,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from ladder_ros.compiler.resolve_rung import literal_type
+from ladder_ros.compiler.wired_types import flow_type
 from ladder_ros.diagnostics import Diagnostic, problem
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import (
     Block,
-    Coil,
     Component,
-    Contact,
     Instance,
-    InVariable,
-    OutVariable,
 )
-from ladder_ros.model.derived import elementary, Type
+from ladder_ros.model.derived import Type
 from ladder_ros.model.program import (
     Body,
     CallKind,
     Composite,
     Direction,
     Parameter,
-    Port,
     Pou,
     Program,
     Rung,
@@ -96,9 +91,9 @@ class _Stubber:
         outputs: dict[str, DataType] = {}
         for wire in rung.wires or ():
             if wire.target.component == block.id and wire.target.pin.upper() != 'EN':
-                inputs.setdefault(wire.target.pin, self._flow(by_id, wire.source, types))
+                inputs.setdefault(wire.target.pin, flow_type(by_id, wire.source, types))
             if wire.source.component == block.id and wire.source.pin.upper() != 'ENO':
-                outputs.setdefault(wire.source.pin or 'OUT', self._flow(by_id, wire.target, types))
+                outputs.setdefault(wire.source.pin or 'OUT', flow_type(by_id, wire.target, types))
         parameters = [
             Parameter(name=pin, type=type_, direction=direction, location=block.location)
             for pins, direction in ((inputs, Direction.INPUT), (outputs, Direction.OUTPUT))
@@ -111,25 +106,3 @@ class _Stubber:
             pins=', '.join([*inputs, *outputs]) or 'none'))
         return Instance(id=block.id, placement=block.placement, composite=name, instance=instance,
                         modifiers=block.modifiers, location=block.location)
-
-    @staticmethod
-    def _flow(by_id: Mapping[str, Component], port: Port, types: Mapping[str, Type]) -> DataType:
-        """Return the type that flows through a wire, as what is at its other end tells."""
-        component = by_id.get(port.component)
-        if component is None or isinstance(component, (Contact, Coil)):
-            return DataType.BOOL
-        if isinstance(component, (InVariable, OutVariable)):
-            declared = types.get(component.operand.casefold())
-            found = elementary(declared) if declared is not None else None
-            if found is None:
-                try:
-                    found = literal_type(component.operand)
-                except ValueError:
-                    found = DataType.BOOL
-            return found
-        kind = CATALOGUE.get(component.type.upper()) if isinstance(component, Block) else None
-        pin = (kind.input(port.pin) or kind.output(port.pin)) if kind is not None else None
-        if pin is not None and isinstance(pin.type, DataType):
-            return pin.type
-        return DataType.BOOL if port.pin.upper() in ('EN', 'ENO') else DataType.INT
-

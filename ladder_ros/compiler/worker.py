@@ -94,8 +94,10 @@ def pack_layout(executable: Executable) -> Iterator[bytes]:
     for name in ('slots', 'components', 'entries', 'routines', 'tasks', 'rungs'):
         items = getattr(executable, name)
         parts += [(name, items[start:start + PART]) for start in range(0, len(items), PART)]
+    aliases = {path: slot.index for path, slot in executable.by_path.items()
+               if path != slot.path.casefold()}
     yield pickle.dumps((
-        executable.name, executable.backend, executable.source_hash, len(parts)))
+        executable.name, executable.backend, executable.source_hash, aliases, len(parts)))
     for part in parts:
         yield pickle.dumps(part, protocol=pickle.HIGHEST_PROTOCOL)
 

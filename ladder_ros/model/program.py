@@ -142,7 +142,7 @@ class Composite:
     rungs: tuple[Rung, ...]
     statements: tuple[Statement, ...] = ()
     unsupported: str = ''
-    """Why the body cannot run (``SFC``, ``IL``), or empty; an error only where it is used."""
+    """Why the body cannot run, or empty; an error only where it is used."""
     externals: tuple[str, ...] = ()
     """Names of the program's variables that the POU may use."""
     blocks: tuple[tuple[str, str], ...] = ()
@@ -208,6 +208,8 @@ class Program:
     """Values of enumerations by casefolded name, ``green`` and ``colour#green`` alike."""
     warnings: tuple[Diagnostic, ...] = ()
     """What the reader of an imported file found and survived."""
+    stubs: bool = False
+    """Whether unknown blocks get stand-ins instead of an error."""
     dialect: str = 'native'
     """Where the program comes from: native, beremiz, openplc, codesys ..."""
     specification: str = ''

@@ -78,8 +78,8 @@ def json_header(record: Record, kind: str, notes: Notes) -> Element:
     for variable in record.records('variables'):
         section = SECTIONS.get(variable.text('class').lower())
         if section is None:
-            notes.odd(variable.line, f'a variable of the class {variable.text("class") or "(none)"}',
-                      'a local one')
+            class_ = variable.text('class') or '(none)'
+            notes.odd(variable.line, f'a variable of the class {class_}', 'a local one')
         tag = section or 'localVars'
         if not sections or sections[-1].tag != tag:
             sections.append(make(tag, variable.line))

@@ -236,17 +236,20 @@ class _Drawing:
             if not attached.isdisjoint(names) or not self.unnamed.isdisjoint(names):
                 continue
             source, target = (self.parts.get(name) for name in names)
-            if source is None or target is None:
-                missing = names[0] if source is None else names[1]
-                self.notes.dangling(record.line, f'node {missing or "(none)"}',
+            if source is None:
+                self.notes.dangling(record.line, f'node {names[0] or "(none)"}',
                                     'it is not in this rung')
+                continue
+            if target is None:
+                self.notes.omit(record.line, f'a wire to node {names[1] or "(none)"}',
+                                'it is not in this rung')
                 continue
             self.edge(record.line, source, record.text('sourceHandle'), target,
                       record.text('targetHandle'))
 
     def edge(self, line: int, source: _Part, output: str, target: _Part, input_: str) -> None:
         if target.tag != _PARALLEL and target.tag not in _TARGETS:
-            self.notes.dangling(line, f'a line to a <{target.tag}>', 'nothing can end there')
+            self.notes.omit(line, f'a wire to the node {target.node}', 'nothing can end there')
             return
         self.ending.setdefault(target.node, []).append(_Edge(
             line=line, source=source.node, target=target.node,
@@ -271,7 +274,7 @@ class _Drawing:
             elif part.tag in _SOURCES:
                 yield part, edge.output
             else:
-                self.notes.dangling(edge.line, f'a <{part.tag}>', 'nothing comes out of it')
+                self.notes.dangling(edge.line, f'node {part.node}', 'nothing comes out of it')
 
     # -- elements ---------------------------------------------------------------------------
 
@@ -326,8 +329,10 @@ class _Drawing:
     def kind(self, part: _Part, known: Mapping[str, dict[str, str]]) -> dict[str, str]:
         variant = part.data.text('variant')
         if variant not in known:
-            self.notes.bad(part.record.line, f'a {part.tag} of the kind {variant or "(none)"}',
-                           f'there are {", ".join(known)}')
+            name = part.data.record('variable').text('name')
+            self.notes.bad(
+                part.record.line, f'a {part.tag} of the kind {variant or "(none)"}, on {name},',
+                f'there are {", ".join(known)}')
         return known.get(variant, {})
 
     def pins(self, part: _Part) -> Iterator[Element]:

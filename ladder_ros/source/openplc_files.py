@@ -3,9 +3,9 @@
 """The folder of an OpenPLC Editor v4 project: which files belong to it, and what stands where.
 
 ``project.json`` holds data types, tasks and global variables, ``pous`` a file for each POU.  They
-are read as if they were one text after the other: while a project is being read, a line is a number
-that no other line of any of the files has.  :class:`Places` leads from there back to file, line and
-rung.
+are read as if they were one text after the other: while a project is being read, a line is a
+number that no other line of any of the files has.  :class:`Places` leads from there back to file,
+line and rung.
 """
 
 from __future__ import annotations

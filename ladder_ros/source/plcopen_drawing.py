@@ -53,7 +53,7 @@ _DRAWN = frozenset({
     'contact', 'coil', 'block', 'inVariable', 'outVariable', 'inOutVariable', 'connector',
     'continuation', 'leftPowerRail',
 })
-_CONTROL = {'jump': 'a jump', 'return': 'a return'}
+_CONTROL = {'jump': 'it has a jump', 'return': 'it has a return'}
 
 
 @dataclass(slots=True, kw_only=True)
@@ -114,7 +114,7 @@ class _Reader:
         unsupported = ''
         for element in self.body.children:
             if element.tag in _SFC:
-                unsupported = 'SFC'
+                unsupported = 'it is written in SFC'
             elif element.tag in _CONTROL:
                 unsupported = unsupported or _CONTROL[element.tag]
             elif element.tag in _DRAWN:

@@ -164,7 +164,7 @@ class Declarations:
                 else:
                     self._report.omit(element, f'the variable {name}', found.reason)
                 if section in (Section.INPUT, Section.OUTPUT, Section.INOUT):
-                    into.unsupported = f'parameter {name}: {found.reason}'
+                    into.unsupported = f'its parameter {name}: {found.reason}'
             case Typed():
                 self._leaves += self._types.size(found.type)
                 if self._leaves > _MAX_LEAVES:
@@ -178,7 +178,7 @@ class Declarations:
         if not found.known:
             self._report.add('L0141', element, name=name, type=found.name)
         if section in (Section.INPUT, Section.OUTPUT, Section.INOUT):
-            into.unsupported = f'a function block as a parameter ({name})'
+            into.unsupported = f'its parameter {name} is a function block'
         if child(element, 'initialValue') is not None:
             self._report.omit(
                 element, f'the initial value of {name}', 'a function block starts afresh')

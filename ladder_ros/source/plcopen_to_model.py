@@ -58,7 +58,7 @@ from ladder_ros.source.xml_tree import (
 
 _WORD = re.compile(r'[^\W\d]\w*')
 _CALL = re.compile(r'\b([^\W\d]\w*)\s*\(')
-_WARNED = 'what the warnings say'
+_WARNED = 'the warnings say why'
 _LANGUAGES = frozenset({'LD', 'FBD', 'ST', 'IL', 'SFC'})
 
 
@@ -284,7 +284,7 @@ class _Importer:
             self.report.odd(element, 'a POU without a body', 'an empty one')
             return (), (), ''
         if len(bodies) > 1:
-            return (), (), 'several bodies'
+            return (), (), 'it has several'
         body = bodies[0]
         match body.tag:
             case 'LD' | 'FBD':
@@ -294,10 +294,10 @@ class _Importer:
                 return (), self.operands.statements(
                     prose(body).lstrip(), self.report.text_at(text_holder(body))), ''
             case tag if tag in _LANGUAGES:
-                return (), (), tag
+                return (), (), f'it is written in {tag}'
             case tag:
                 self.report.odd(body, f'a body in <{tag}>', 'one that cannot run')
-                return (), (), tag
+                return (), (), f'it is written in {tag}'
 
     def composite(self, pou: _Pou) -> Composite:
         interface, own = pou.interface, pou.signature

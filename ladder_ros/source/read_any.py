@@ -9,6 +9,7 @@ import os
 from pathlib import Path
 
 from ladder_ros.model.program import Program
+from ladder_ros.source.import_options import import_options, with_options
 from ladder_ros.source.openplc_files import pou_files, PROJECT_FILE
 from ladder_ros.source.openplc_to_model import read_openplc
 from ladder_ros.source.plcopen_project import is_project
@@ -25,7 +26,7 @@ def read_any(path: str | os.PathLike[str]) -> Program:
     name = os.fspath(path)
     folder = openplc_folder(name)
     if folder is not None:
-        return read_openplc(folder)
+        return with_options(read_openplc(folder), import_options(os.fspath(folder)))
     return parse_any(read_file(name), name)
 
 
@@ -33,7 +34,7 @@ def parse_any(data: bytes, file: str = '') -> Program:
     """Read a program from the bytes of an XML file; ``file`` is its name in locations."""
     namespace, tag = root_element(data)
     if is_project(namespace, tag):
-        return parse_project(data, file)
+        return with_options(parse_project(data, file), import_options(file))
     return parse_program(data, file)
 
 
@@ -46,6 +47,11 @@ def openplc_folder(path: str) -> Path | None:
         return given if given.is_dir() and (given / PROJECT_FILE).is_file() else None
     except (OSError, ValueError):  # a NUL in the path: reading it says so
         return None
+
+
+def file_hash(data: bytes, file: str) -> str:
+    """Return the SHA-256 of a program's bytes, and of its import options where there are any."""
+    return hashlib.sha256(data + import_options(file).text).hexdigest()
 
 
 def folder_hash(folder: Path) -> str:

@@ -58,6 +58,8 @@ from ladder_ros.source.xml_tree import (
 _Word = TypeVar('_Word', bound=Enum)
 
 _XML_SPACE = ' \t\r\n'
+DRAWN_CALLS = (CallKind.INLINE, CallKind.ENABLED)
+"""How composites of this format are called; the other kinds are of imported programs."""
 _NOWHERE: tuple[int, int] | None = None
 
 
@@ -207,16 +209,16 @@ class _Reader:
             element, attribute, f'write a whole number from 1 to {grammar.MAX_NUMBER}')
         return 1
 
-    def word(self, element: Element, attribute: str, default: _Word) -> _Word:
+    def word(
+        self, element: Element, attribute: str, default: _Word, words: tuple[_Word, ...] = (),
+    ) -> _Word:
         value = element.attributes.get(attribute)
         if value is None:
             return default
-        try:
-            return type(default)(value)
-        except ValueError:
-            words = tuple(str(word.value) for word in type(default))
-            self.bad_value(element, attribute, _allowed(value, words, 'write one of'))
-            return default
+        known = {str(word.value): word for word in words or type(default)}
+        if value not in known:
+            self.bad_value(element, attribute, _allowed(value, tuple(known), 'write one of'))
+        return known.get(value, default)
 
     def flag(self, element: Element, attribute: str) -> bool:
         value = element.attributes.get(attribute, 'false')
@@ -392,7 +394,7 @@ class _Reader:
         self.pou = _shown(element.attributes.get('name', ''))
         self.check(element, rule)
         name, place = self.name(element, 'name'), self.here(element)
-        call = self.word(element, 'call', CallKind.INLINE)
+        call = self.word(element, 'call', CallKind.INLINE, DRAWN_CALLS)
         specification = ''
         parameters: list[Parameter] = []
         variables: list[Variable] = []

@@ -344,3 +344,31 @@ def test_statements_when_random_then_all_backends_agree(text: str) -> None:
     made = program(body, {**INTS, 'a': Array(bounds=((0, 4),), element=T.INT)},
                    blocks={'c': 'CTU'}, composites=[TWICE])
     run(made, [{'x': 1}, {'x': 5}, {}])
+
+
+NOISE = st.recursive(
+    st.sampled_from(['a', 'i', 'r', 's', 'g', 'g[1, i]', 't.Q', 't', 'f.total', 'w.3', 'green', '1',
+                     '1.5', "'x'", 'T#1s', '16#FFFFFFFFFFFFFFFF', 'TRUE', 'INT#5', 'nothing', 'p.x']),
+    lambda inner: st.one_of(
+        st.tuples(inner, st.sampled_from(
+            ['+', '-', '*', '/', 'MOD', '**', 'AND', 'OR', 'XOR', '<', '=', '<>']), inner)
+        .map(lambda parts: f'({" ".join(parts)})'),
+        inner.map(lambda text: f'-({text})'), inner.map(lambda text: f'NOT ({text})'),
+        st.tuples(st.sampled_from(['MAX', 'SEL', 'SHL', 'MUX', 'ABS', 'LEN', 'Twice', 'EXPT', 'TON',
+                                   'INT_TO_REAL', 'LIMIT', 'CONCAT', 'GT', 'TRUNC', 'g', 'MOVE']),
+                  st.lists(inner, max_size=3))
+        .map(lambda parts: f'{parts[0]}({", ".join(parts[1])})'),
+        inner.map(lambda text: f'g[{text}, 1]')),
+    max_leaves=6)
+
+
+@given(NOISE, st.sampled_from(['a', 'i', 'r', 's', 'g', 'g[i, 1]', 'w.3', 'w', 't.PT', 'd', 'z']))
+@settings(max_examples=300)
+def test_assignment_when_random_then_it_runs_or_is_refused(expression: str, target: str) -> None:
+    names: dict[str, Type] = {
+        'a': T.BOOL, 'i': T.INT, 'r': T.REAL, 's': T.STRING, 'w': T.WORD, 'd': T.TIME, 'z': T.LINT,
+        'g': Array(bounds=((0, 3), (1, 2)), element=T.INT)}
+    made = program(f'{target} := {expression};', names, blocks={'t': 'TON', 'f': 'Sum'},
+                   composites=[TWICE, SUM], enumerations={'green': 3})
+    if not errors(made):
+        run(made)

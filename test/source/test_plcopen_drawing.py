@@ -229,8 +229,9 @@ def test_positions_when_some_are_negative_then_the_page_is_moved() -> None:
 
 
 @pytest.mark.parametrize(('inside', 'reason'), [
-    ('<step localId="1" name="s"/>', 'SFC'), ('<jump localId="1" label="x"/>', 'a jump'),
-    ('<return localId="1"/>', 'a return'),
+    ('<step localId="1" name="s"/>', 'it is written in SFC'),
+    ('<jump localId="1" label="x"/>', 'it has a jump'),
+    ('<return localId="1"/>', 'it has a return'),
 ])
 def test_drawing_when_it_holds_what_cannot_run_then_the_body_says_so(
     inside: str, reason: str,
@@ -242,7 +243,7 @@ def test_drawing_when_it_holds_what_cannot_run_then_the_body_says_so(
 def test_body_when_its_language_cannot_run_then_the_rest_can_be_read(language: str) -> None:
     text = f'<pou name="Q" pouType="functionBlock"><body><{language}/></body></pou>'
     program = read(text + ladder(element('coil', 1, [0], 'q')))
-    assert program.composites[0].unsupported == language
+    assert program.composites[0].unsupported == f'it is written in {language}'
     assert not program.bodies[0].unsupported
 
 
