@@ -13,12 +13,12 @@ from dataclasses import dataclass, field
 import re
 
 from ladder_ros.compiler.il import Call, CONTROL, Instruction, Op
-from ladder_ros.compiler.st_names import interface, Names
+from ladder_ros.compiler.st_names import interface, literal, Names
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.program import CallKind, Composite, Direction
-from ladder_ros.model.types import DataType, default_value, format_literal, format_time, Value
+from ladder_ros.model.types import DataType, default_value
 
 _LONGEST = 90
 _SURE = frozenset({
@@ -26,27 +26,6 @@ _SURE = frozenset({
     'LEN', 'CONCAT', 'FIND', 'ADD_TIME', 'SUB_TIME',
 })
 """Functions that have no arithmetic error: their ENO is EN."""
-
-
-def literal(value: Value, type_: DataType) -> str:
-    """Return a constant as every reader of Structured Text takes it, with its type."""
-    text = format_literal(value, type_)
-    if type_ is DataType.BOOL or type_ is DataType.STRING:
-        return text
-    if type_ is DataType.TIME:
-        return _duration(int(value))
-    if type_.is_real and 'e' in text and '.' not in text:
-        mantissa, _, exponent = text.partition('e')
-        text = f'{mantissa}.0e{exponent}'
-    return f'{type_}#{text}'
-
-
-def _duration(value: int) -> str:
-    """Return a duration without us and ns, which the standard's second edition lacks."""
-    if value % 1_000_000 == 0:
-        return format_time(value)
-    whole, rest = divmod(abs(value), 1_000_000)
-    return f'T#{"-" if value < 0 else ""}{whole}.{rest:06}'.rstrip('0') + 'ms'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,12 +47,14 @@ _OR, _AND, _NOT = 0, 1, 2
 class StEmitter:
     """Emits statements of one POU.
 
-    ``composites`` are the program's by casefolded name.  With ``aliased`` two names may mean one
+    ``composites`` are the program's by casefolded name; ``by_name`` are those in which two names
+    may mean one variable.  With ``aliased`` two names may mean one
     variable (parameters by reference), and any write saves all values in between.
     """
 
     names: Names
     composites: dict[str, Composite]
+    by_name: frozenset[str] = frozenset()
     aliased: bool = False
     lines: list[str] = field(default_factory=list)
     stack: list[_Value] = field(default_factory=list)
@@ -144,6 +125,9 @@ class StEmitter:
 
     def _combine(self, left: _Value, right: _Value, binds: int) -> _Value:
         word = 'AND' if binds == _AND else 'OR'
+        neutral = 'TRUE' if binds == _AND else 'FALSE'
+        if neutral in (left.text, right.text):
+            return right if left.text == neutral else left
         value = _Value(text=f'{left.inside(binds)} {word} {right.inside(binds)}',
                        reads=left.reads | right.reads, binds=binds)
         if len(value.text) > _LONGEST:
@@ -254,6 +238,9 @@ class StEmitter:
         if op in (Op.ST, Op.STN):
             self.write(operand, power.text if op is Op.ST else _negated(power).text)
             return
+        if power.text == 'TRUE':
+            self.write(operand, 'TRUE' if op is Op.S else 'FALSE')
+            return
         self.put(f'IF {power.text} THEN')
         self.indent += '  '
         self.write(operand, 'TRUE' if op is Op.S else 'FALSE')
@@ -292,7 +279,11 @@ class StEmitter:
             if op is Op.RUN and not _is_inout(composite, pin):
                 continue
             parameter = own.own(pin)
-            if isinstance(operand, Ref):
+            by_value = op is Op.EXE and not self.by_reference(composite, pin)
+            if by_value and not isinstance(operand, Element):
+                arguments.append(f'{parameter} := {self.read(operand).text}')
+                continue
+            if isinstance(operand, Ref) and not self._is_field(operand):
                 arguments.append(f'{parameter} := {self.names.place(operand)}')
                 continue
             copy = self.names.temporary(operand.type)
@@ -306,6 +297,16 @@ class StEmitter:
         self.put(text if op is Op.EXE or power == 'TRUE' else f'IF {power} THEN {text} END_IF;')
         for operand, copy in after:
             self.write(operand, copy)
+
+    def by_reference(self, composite: Composite, pin: str) -> bool:
+        """Say whether a parameter of an enabled composite must be the very variable."""
+        return composite.name.casefold() in self.by_name or not any(
+            p.name.casefold() == pin.casefold() and p.direction is Direction.INPUT
+            for p in composite.parameters)
+
+    def _is_field(self, operand: Ref) -> bool:
+        """Say whether an operand is a block's: nobody else can write it, but nor be given it."""
+        return self.names.owner(operand.path) is not None
 
     def _function_block(self, call: Call) -> None:
         kind = CATALOGUE[call.name]
@@ -351,7 +352,6 @@ class StEmitter:
         wants_eno: bool,
     ) -> None:
         """Emit a call whose ENO counts, or which is done only where there is power."""
-        targets = dict(call.outputs)
         out_pin = next(pin for pin in kind.outputs if pin.name == 'OUT')
         type_ = out_pin.type if isinstance(out_pin.type, DataType) else call.type
         out = self.names.temporary(type_)
@@ -369,17 +369,16 @@ class StEmitter:
             self.indent += '  '
         value = _application(kind, arguments, eno=fine.text if unsure else '')
         self.put(f'{out} := {value.text};')
-        target = targets.get('OUT')
-        keeps = target is not None and '%data' not in str(target)
-        if target is not None and keeps:
+        kept = [target for pin, target in call.outputs
+                if pin == 'OUT' and '%data' not in str(target)]
+        for target in kept:
             self.write(target, out)
         if guarded:
             self.indent = self.indent[:-2]
             self.put('END_IF;')
-        if target is not None and not keeps:
-            self.write(target, out)
-        if 'ENO' in targets:
-            self.write(targets['ENO'], fine.text)
+        for pin, target in call.outputs:
+            if target not in kept:
+                self.write(target, fine.text if pin == 'ENO' else out)
         self.stack.append(fine if kind.power_output == 'ENO' else _Value(text=out))
 
 

@@ -13,10 +13,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.il import Network, Op
-from ladder_ros.compiler.il_to_st import literal, StEmitter
+from ladder_ros.compiler.il_to_st import StEmitter
 from ladder_ros.compiler.imported import needed_pous
 from ladder_ros.compiler.pipeline import analyse, build_trees, lower, Stages
-from ladder_ros.compiler.st_names import Identifiers, interface, Names
+from ladder_ros.compiler.st_names import Identifiers, interface, literal, Names
 from ladder_ros.compiler.symbols import is_address, Operand, pou_key, Ref
 from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.model.catalogue import CATALOGUE
@@ -100,10 +100,12 @@ class StWriter:
         yield f'FUNCTION_BLOCK {self.types.own(composite.name)}'
         sections: dict[str, list[str]] = {}
         is_enabled = composite.call is CallKind.ENABLED
+        emitter = self.emitter(names, aliased=False)
         if is_enabled:
             sections['VAR_INPUT'] = [f'{interface(composite)[1]} : BOOL;']
         for parameter in composite.parameters:
-            section = 'VAR_IN_OUT' if is_enabled else {
+            reference = is_enabled and emitter.by_reference(composite, parameter.name)
+            section = 'VAR_IN_OUT' if reference else {
                 Direction.INPUT: 'VAR_INPUT', Direction.OUTPUT: 'VAR_OUTPUT',
                 Direction.INOUT: 'VAR_IN_OUT'}[parameter.direction]
             initial = None if section == 'VAR_IN_OUT' else parameter.default
@@ -125,7 +127,7 @@ class StWriter:
         """Return the names and statements of a composite's FUNCTION_BLOCK."""
         own, enable = interface(composite)
         names = Names(scope=self.stages.symbols.scopes[pou_key(composite)], identifiers=own,
-                      types=self.types)
+                      types=self.types, scopes=self.stages.symbols.scopes)
         names.declare_instances()
         emitter = self.emitter(names, composite.name.casefold() in self.aliased)
         if composite.call is CallKind.FUNCTION:
@@ -172,7 +174,8 @@ class StWriter:
 
     def emitter(self, names: Names, aliased: bool) -> StEmitter:
         """Return an emitter of statements."""
-        return StEmitter(names=names, composites=self.composites, aliased=aliased)
+        return StEmitter(names=names, composites=self.composites, aliased=aliased,
+                         by_name=self.aliased)
 
     def emit(self, emitter: StEmitter, networks: Sequence[Network]) -> None:
         """Emit networks one below the other."""
@@ -221,7 +224,8 @@ class StWriter:
         own = Identifiers(frozenset({name.casefold()}))
         for variable in self.program.variables:
             own.own(variable.name)
-        names = Names(scope=scope, identifiers=own, types=self.types)
+        names = Names(scope=scope, identifiers=own, types=self.types,
+                      scopes=self.stages.symbols.scopes)
         names.declare_instances()
         emitter = self.emitter(names, aliased=False)
         for body in bodies:
@@ -268,7 +272,8 @@ class StWriter:
         """Yield the configuration: shared variables, tasks, program instances."""
         sections: dict[str, list[str]] = {}
         names = Names(scope=self.stages.symbols.scopes[pou_key(self.program.bodies[0])],
-                      identifiers=self.globals, types=self.types)
+                      identifiers=self.globals, types=self.types,
+                      scopes=self.stages.symbols.scopes)
         for variable in self.program.variables:
             if variable.name.casefold() in shared:
                 section = _external(variable).replace('EXTERNAL', 'GLOBAL')

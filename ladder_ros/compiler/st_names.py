@@ -7,26 +7,17 @@ Standard identifiers only (IEC 61131-3, 6.1.2): letters, digits, single undersco
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 import re
 
-from ladder_ros.compiler.symbols import is_address, Ref, Scope
+from ladder_ros.compiler.symbols import is_address, pou_key, Ref, Scope
 from ladder_ros.model.catalogue import CATALOGUE
+from ladder_ros.model.derived import leaves
 from ladder_ros.model.program import CallKind, Composite
-from ladder_ros.model.types import DataType
+from ladder_ros.model.types import DataType, default_value, format_literal, format_time, Value
 
-KEYWORDS = frozenset('''
-    ABS ACTION AND ANDN ANY ARRAY AT BEGIN BOOL BY BYTE CAL CALC CALCN CASE CD CONFIGURATION
-    CONSTANT CU DATE DATE_AND_TIME DINT DO DT DWORD ELSE ELSIF EN END END_ACTION END_CASE
-    END_CONFIGURATION END_FOR END_FUNCTION END_FUNCTION_BLOCK END_IF END_PROGRAM END_REPEAT
-    END_RESOURCE END_STEP END_STRUCT END_TRANSITION END_TYPE END_VAR END_WHILE ENO EQ EXIT
-    EXPONENT_FUNCTION F_EDGE FALSE FOR FROM FUNCTION FUNCTION_BLOCK GE GT IF IN INITIAL_STEP INT
-    INTERVAL JMP JMPC JMPCN L LD LDN LE LINT LREAL LT LWORD MOD NE NON_RETAIN NOT OF ON OR ORN P
-    PRIORITY PROGRAM PT PV R R_EDGE R1 READ_ONLY READ_WRITE REAL REPEAT RESOURCE RET RETAIN
-    RETURN RETC RETCN S S1 SINGLE SINT ST STEP STN STRING STRUCT TASK THEN TIME TIME_OF_DAY TO
-    TOD TRANSITION TRUE TYPE UDINT UINT ULINT UNTIL USINT VAR VAR_ACCESS VAR_CONFIG VAR_EXTERNAL
-    VAR_GLOBAL VAR_IN_OUT VAR_INPUT VAR_OUTPUT VAR_TEMP WHILE WITH WORD WSTRING XOR XORN CLK
-'''.split())
+KEYWORDS = frozenset(['ABS', 'ACTION', 'AND', 'ANDN', 'ANY', 'ARRAY', 'AT', 'BEGIN', 'BOOL', 'BY', 'BYTE', 'CAL', 'CALC', 'CALCN', 'CASE', 'CD', 'CONFIGURATION', 'CONSTANT', 'CU', 'DATE', 'DATE_AND_TIME', 'DINT', 'DO', 'DT', 'DWORD', 'ELSE', 'ELSIF', 'EN', 'END', 'END_ACTION', 'END_CASE', 'END_CONFIGURATION', 'END_FOR', 'END_FUNCTION', 'END_FUNCTION_BLOCK', 'END_IF', 'END_PROGRAM', 'END_REPEAT', 'END_RESOURCE', 'END_STEP', 'END_STRUCT', 'END_TRANSITION', 'END_TYPE', 'END_VAR', 'END_WHILE', 'ENO', 'EQ', 'EXIT', 'EXPONENT_FUNCTION', 'F_EDGE', 'FALSE', 'FOR', 'FROM', 'FUNCTION', 'FUNCTION_BLOCK', 'GE', 'GT', 'IF', 'IN', 'INITIAL_STEP', 'INT', 'INTERVAL', 'JMP', 'JMPC', 'JMPCN', 'L', 'LD', 'LDN', 'LE', 'LINT', 'LREAL', 'LT', 'LWORD', 'MOD', 'NE', 'NON_RETAIN', 'NOT', 'OF', 'ON', 'OR', 'ORN', 'P', 'PRIORITY', 'PROGRAM', 'PT', 'PV', 'R', 'R_EDGE', 'R1', 'READ_ONLY', 'READ_WRITE', 'REAL', 'REPEAT', 'RESOURCE', 'RET', 'RETAIN', 'RETURN', 'RETC', 'RETCN', 'S', 'S1', 'SINGLE', 'SINT', 'ST', 'STEP', 'STN', 'STRING', 'STRUCT', 'TASK', 'THEN', 'TIME', 'TIME_OF_DAY', 'TO', 'TOD', 'TRANSITION', 'TRUE', 'TYPE', 'UDINT', 'UINT', 'ULINT', 'UNTIL', 'USINT', 'VAR', 'VAR_ACCESS', 'VAR_CONFIG', 'VAR_EXTERNAL', 'VAR_GLOBAL', 'VAR_IN_OUT', 'VAR_INPUT', 'VAR_OUTPUT', 'VAR_TEMP', 'WHILE', 'WITH', 'WORD', 'WSTRING', 'XOR', 'XORN', 'CLK'])
 """Words that no identifier may be; pins of the standard blocks among them, to be safe."""
 
 
@@ -72,6 +63,7 @@ class Names:
     """
 
     scope: Scope
+    scopes: Mapping[str, Scope]
     identifiers: Identifiers
     types: Identifiers
     prefix: str = ''
@@ -91,6 +83,18 @@ class Names:
         for name, composite in scope.instances.values():
             if composite.call is not CallKind.INLINE:
                 self.instance(prefix + name, composite.name, composite)
+                continue
+            for variable in composite.variables:
+                for suffix, type_, value in leaves(variable.type, variable.initial):
+                    self._variable(f'{prefix}{name}.{variable.name}{suffix}', type_, value)
+            self._declare(self.scopes[pou_key(composite)], f'{prefix}{name}.')
+
+    def _variable(self, path: str, type_: DataType, value: Value) -> None:
+        """Declare a variable of an inline composite."""
+        name = self._paths[self._key(path)] = self._new(path)
+        self.hidden[name] = type_.value
+        if value != default_value(type_):
+            self.hidden[name] += f' := {literal(value, type_)}'
 
     def instance(self, path: str, type_: str, composite: Composite | None) -> str:
         """Return the identifier of an instance; it is declared if it is new."""
@@ -158,3 +162,24 @@ def interface(composite: Composite) -> tuple[Identifiers, str]:
     for noun in (*composite.parameters, *composite.variables):
         own.own(noun.name)
     return own, own.fresh('ENABLE') if composite.call is CallKind.ENABLED else ''
+
+
+def literal(value: Value, type_: DataType) -> str:
+    """Return a constant as every reader of Structured Text takes it, with its type."""
+    text = format_literal(value, type_)
+    if type_ is DataType.BOOL or type_ is DataType.STRING:
+        return text
+    if type_ is DataType.TIME:
+        return _duration(int(value))
+    if type_.is_real and 'e' in text and '.' not in text:
+        mantissa, _, exponent = text.partition('e')
+        text = f'{mantissa}.0e{exponent}'
+    return f'{type_}#{text}'
+
+
+def _duration(value: int) -> str:
+    """Return a duration without us and ns, which the standard's second edition lacks."""
+    if value % 1_000_000 == 0:
+        return format_time(value)
+    whole, rest = divmod(abs(value), 1_000_000)
+    return f'T#{"-" if value < 0 else ""}{whole}.{rest:06}'.rstrip('0') + 'ms'

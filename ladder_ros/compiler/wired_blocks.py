@@ -28,7 +28,7 @@ from ladder_ros.model.component import (
 from ladder_ros.model.derived import elementary
 from ladder_ros.model.program import CallKind, Composite, Direction, Parameter, Port, Rung
 from ladder_ros.model.st import Expression, LiteralExpression, VariableExpression
-from ladder_ros.model.types import DataType
+from ladder_ros.model.types import DataType, default_value
 
 TRUE = Literal(value=True, type=DataType.BOOL)
 
@@ -432,8 +432,12 @@ class WiredBlocks:
                 assert isinstance(pin.type, DataType)
                 inputs[pin.name] = Ref(path=f'{callee.instance}.{pin.name}', type=pin.type)
             elif isinstance(pin.type, Generic) or pin.default is None:
-                self.lowering.report('L0210', block.location, owner=f'{block.id} ({kind.name})',
-                                     pin=pin.name, type=pin.type.value)
+                type_ = pin.type
+                if isinstance(type_, Generic):
+                    type_ = self.generic(block, kind) or DataType.INT
+                self.lowering.report('L0244', block.location, owner=f'{block.id} ({kind.name})',
+                                     pin=pin.name, type=type_)
+                inputs[pin.name] = Literal(value=default_value(type_), type=type_)
             else:
                 inputs[pin.name] = Literal(value=pin.default, type=pin.type)
 

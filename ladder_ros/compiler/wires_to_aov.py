@@ -99,8 +99,8 @@ class _Builder:
     """Component id -> its symbol."""
     enabled: dict[str, _Giver] = field(default_factory=dict)
     """Standard function block -> what gives the power of its EN, and so of its ENO."""
-    copying: list[str] = field(default_factory=list)
-    """Contacts of a feedback loop that are being drawn once more."""
+    copies: dict[tuple[str, str], int] = field(default_factory=dict)
+    """Contacts of a feedback loop that are drawn once more: id, what for -> the symbol."""
 
     def run(self, number: str, network: Iterable[Component]) -> Aov:
         for component in network:
@@ -279,15 +279,18 @@ class _Builder:
 
         Here it passes on what the block gave last; where it was drawn, what the block gives now.
         """
-        if contact.id in self.copying:  # a loop without a block, which has been reported
-            return _Giver(symbol=-1)
-        self.copying.append(contact.id)
-        again = replace(contact, id=f'{contact.id}_{taker.id}')
-        prelude, operand = self.blocks.read(contact.operand, contact.location)
-        sources = self.connections.sources.get((contact.id, ''), ())
-        number = self._symbol(again, Resolved(operand=operand), prelude, sources, owner=taker)
-        self.copying.pop()
-        return _Giver(symbol=number)
+        key = contact.id, taker.id
+        if key not in self.copies:
+            is_first = contact.id not in self.rank and not any(
+                id_ == contact.id for id_, _ in self.copies)
+            again = contact if is_first else replace(contact, id=f'{contact.id}_{taker.id}')
+            self.copies[key] = -1  # for a loop without a block, which has been reported
+            prelude, operand = self.blocks.read(contact.operand, contact.location)
+            self.copies[key] = self._symbol(
+                again, Resolved(operand=operand), prelude,
+                self.connections.sources.get((contact.id, ''), ()), owner=taker)
+            del self.vertex[again.id]
+        return _Giver(symbol=self.copies[key])
 
     def _output(self, port: Port, giver: _Giver) -> _Giver:
         """Apply a negation that is drawn on an output pin."""

@@ -1,6 +1,6 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Broken and hostile OpenPLC v4 projects: a program or a diagnostic with file and rung, quickly."""
+"""Broken and hostile OpenPLC v4 projects: a program, or diagnostics with file and rung."""
 
 from __future__ import annotations
 
@@ -347,3 +347,18 @@ def test_project_when_it_is_mutated_then_a_program_or_diagnostics_come_out(
             assert str(folder) in diagnostic.location.file
     finally:
         shutil.rmtree(folder)
+
+
+def test_wire_when_it_comes_from_a_pin_that_is_not_there_then_it_speaks_of_this_format(
+    tmp_path: Path,
+) -> None:
+    broken = body()
+    data = node(broken, 'block')['data']
+    data['outputHandles'] = data['outputHandles'][1:]
+    for edge in broken['rungs'][0]['edges']:
+        edge['sourceHandle'] = {'Q': 'P'}.get(edge['sourceHandle'], edge['sourceHandle'])
+    data['outputConnector'] = {}
+    (departs,) = [d for d in found(tmp_path, broken) if d.code in ('L0130', 'L0151')]
+    assert departs.code == 'L0151'
+    assert 'PLCopen' not in departs.message
+    assert departs.help == 'it is read as ET'
