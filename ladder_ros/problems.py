@@ -131,6 +131,8 @@ _NAMES = (
     _warning('L0242', 'nothing is known of the block {name}; {instance} is a stand-in for it',
              'its outputs are inputs of the program: map them to topics; pins: {pins}'),
     _warning('L0243', '{name} is not declared', 'it is taken as a local variable of type {type}'),
+    _warning('L0244', 'nothing is wired to the pin {pin} of {owner}',
+             'it is taken as the zero of its type, {type}; wire a value to it'),
     _error('L0240', 'the body of {name} cannot run: {reason}',
            'draw it as a ladder or function block diagram, or write it in Structured Text'),
     _warning('L0241', 'the body of {name} cannot run: {reason}; nothing uses it',

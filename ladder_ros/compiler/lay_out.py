@@ -137,6 +137,8 @@ class _Layout:
         if prefix.casefold() in self.instances:
             return
         self.instances.add(prefix.casefold())
+        if composite.call is CallKind.BLOCK:
+            self.add(active_flag(prefix[:-1]).path, DataType.BOOL, SlotClass.SYSTEM, False)
         for variable in _kept(composite):
             self.add_variable(prefix, variable, _instance_class(composite, variable))
         self.add_scope(prefix, self.symbols.scopes[pou_key(composite)])

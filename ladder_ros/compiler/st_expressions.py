@@ -39,7 +39,7 @@ from ladder_ros.compiler.st_values import (
 )
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target
 from ladder_ros.diagnostics import Location
-from ladder_ros.model.catalogue import BlockKind, CATALOGUE, Generic, Pin
+from ladder_ros.model.catalogue import BlockKind, CATALOGUE, Generic
 from ladder_ros.model.program import CallKind, Composite
 from ladder_ros.model.st import (
     BinaryExpression,
@@ -413,7 +413,7 @@ class ExpressionEmitter:
         type_ = self._call_type(bound, shown_name, expected, location)
         inputs = []
         for pin_name, value, expression in bound.inputs:
-            wanted = self._pin_type(kind.input(pin_name), value, type_)
+            wanted = self._pin_type(kind, pin_name, value, type_, location)
             inputs.append((pin_name, self.coerce(
                 value, wanted, expression.location, described(expression))))
         out = kind.output('OUT')
@@ -452,14 +452,20 @@ class ExpressionEmitter:
             raise Wrong
         return found
 
-    @staticmethod
-    def _pin_type(pin: Pin | None, value: Value, type_: DataType) -> DataType | None:
+    def _pin_type(
+        self, kind: BlockKind, pin_name: str, value: Value, type_: DataType, location: Location,
+    ) -> DataType:
+        pin = kind.input(pin_name)
         assert pin is not None
         if isinstance(pin.type, DataType):
             return pin.type
-        if pin.tied:
-            return type_
-        return joined_type([value], None, pin.type)
+        found = type_ if pin.tied else joined_type([value], None, pin.type)
+        if found is None:
+            self.lowering.report(
+                'L0204', location, name=f'{pin.name} of {kind.name}',
+                actual=value_type(value) or 'a number', expected=pin.type.value)
+            raise Wrong
+        return found
 
     def function(
         self, name: str, type_: DataType, inputs: tuple[tuple[str, Operand], ...],

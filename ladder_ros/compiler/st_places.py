@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 from typing_extensions import assert_never
 
+from ladder_ros.compiler.il import active_flag
 from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.resolve_rung import suggestion
 from ladder_ros.compiler.symbols import Literal, Operand
@@ -201,6 +202,10 @@ def _member(
             return replace(
                 place, path=f'{place.path}.{parameter.name}', type=parameter.type,
                 why_fixed='' if is_input else f'it is an output of {place.path}'), []
+    if key == 'eno':
+        # Whether the block was executed last time is what its ENO says.
+        return replace(place, path=active_flag(place.path).path, type=DataType.BOOL,
+                       why_fixed=f'it is an output of {place.path}'), []
     inside = f'it is inside of {place.path}'
     for variable in composite.variables:
         if variable.name.casefold() == key:

@@ -180,4 +180,6 @@ def substitute(
     if operand.path.startswith('%T') or is_address(operand.path):
         return operand
     bound = _bound(operand, bindings)
+    if isinstance(bound, Ref):
+        return Ref(path=bound.path, type=operand.type)
     return bound if bound is not None else Ref(path=prefix + operand.path, type=operand.type)

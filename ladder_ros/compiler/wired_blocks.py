@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from ladder_ros.compiler.il import Instruction, Op
 from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.resolve_rung import literal_type, suggestion
+from ladder_ros.compiler.st_calls import fresh_start
 from ladder_ros.compiler.st_expressions import convert, lower_expression, lower_target, type_of
 from ladder_ros.compiler.symbols import data_slot, Literal, Operand, Ref, Resolved, Target
 from ladder_ros.compiler.wires_to_order import Connections
@@ -24,10 +25,10 @@ from ladder_ros.model.component import (
     InVariable,
     PinModifier,
 )
-from ladder_ros.model.derived import elementary, Initial, leaves, Type
+from ladder_ros.model.derived import elementary
 from ladder_ros.model.program import CallKind, Composite, Direction, Parameter, Port, Rung
 from ladder_ros.model.st import Expression, LiteralExpression, VariableExpression
-from ladder_ros.model.types import DataType
+from ladder_ros.model.types import DataType, default_value
 
 TRUE = Literal(value=True, type=DataType.BOOL)
 
@@ -431,8 +432,12 @@ class WiredBlocks:
                 assert isinstance(pin.type, DataType)
                 inputs[pin.name] = Ref(path=f'{callee.instance}.{pin.name}', type=pin.type)
             elif isinstance(pin.type, Generic) or pin.default is None:
-                self.lowering.report('L0210', block.location, owner=f'{block.id} ({kind.name})',
-                                     pin=pin.name, type=pin.type.value)
+                type_ = pin.type
+                if isinstance(type_, Generic):
+                    type_ = self.generic(block, kind) or DataType.INT
+                self.lowering.report('L0244', block.location, owner=f'{block.id} ({kind.name})',
+                                     pin=pin.name, type=type_)
+                inputs[pin.name] = Literal(value=default_value(type_), type=type_)
             else:
                 inputs[pin.name] = Literal(value=pin.default, type=pin.type)
 
@@ -509,18 +514,6 @@ class WiredBlocks:
         if value is not None:
             prelude.append(Instruction(op=Op.MOV, operand=value, target=Ref(
                 path=f'{callee.instance}.{parameter.name}', type=type_)))
-
-
-def fresh_start(composite: Composite, instance: str) -> list[Instruction]:
-    """Return the instructions that give a function's own variables their initial values."""
-    kept: list[tuple[str, Type, Initial]] = [
-        (v.name, v.type, v.initial) for v in composite.variables]
-    kept += [(p.name, p.type, p.default) for p in composite.parameters
-             if p.direction is not Direction.INOUT]
-    return [
-        Instruction(op=Op.MOV, operand=Literal(value=value, type=leaf),
-                    target=Ref(path=f'{instance}.{name}{suffix}', type=leaf))
-        for name, type_, initial in kept for suffix, leaf, value in leaves(type_, initial)]
 
 
 _WIDTHS: Mapping[DataType, int] = {type_: rank for rank, type_ in enumerate(DataType)}

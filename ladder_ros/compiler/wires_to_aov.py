@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.aov import Aov, Arc, SymbolVertex, VirtualVertex
 from ladder_ros.compiler.il import Instruction
@@ -97,6 +97,10 @@ class _Builder:
     """Power flow: what gives, the symbol that takes, its pin."""
     vertex: dict[str, int] = field(default_factory=dict)
     """Component id -> its symbol."""
+    enabled: dict[str, _Giver] = field(default_factory=dict)
+    """Standard function block -> what gives the power of its EN, and so of its ENO."""
+    copies: dict[tuple[str, str], int] = field(default_factory=dict)
+    """Contacts of a feedback loop that are drawn once more: id, what for -> the symbol."""
 
     def run(self, number: str, network: Iterable[Component]) -> Aov:
         for component in network:
@@ -193,6 +197,10 @@ class _Builder:
             is_block=call.is_composite, touches=call.touches)
         for pin, givers in taken:
             self.feeds += [(giver, number, pin) for giver in givers]
+        if callee.kind is not None and not callee.is_function:
+            self.enabled[component.id] = _Giver(joined=tuple(
+                giver for pin, givers in taken if pin == 'EN' for giver in givers
+            ) or (_Giver(symbol=-1),))
         if not any(pin == '' for pin, _ in taken):
             self.feeds.append((_Giver(symbol=-1), number, ''))
 
@@ -253,7 +261,11 @@ class _Builder:
         variable = self.blocks.output_variable(port)
         if variable is None:
             if port.component in self.vertex:
-                return _Giver(symbol=self.vertex[port.component])
+                symbol = _Giver(symbol=self.vertex[port.component])
+                return self._output(port, self.enabled.get(port.component, symbol))
+            before = self.blocks.components.get(port.component)
+            if isinstance(before, Contact):
+                return self._copy(before, taker)
             eno = self.blocks.eno_sources(port)
             return _Giver(joined=tuple(self._giver(source, taker) for source in eno))
         contact = Contact(
@@ -261,6 +273,24 @@ class _Builder:
             placement=taker.placement, location=taker.location)
         number = self._symbol(contact, Resolved(operand=variable), (), [Port()])
         return self._output(port, _Giver(symbol=number))
+
+    def _copy(self, contact: Contact, taker: Component) -> _Giver:
+        """Draw a contact once more that lies between a block and what feeds the block.
+
+        Here it passes on what the block gave last; where it was drawn, what the block gives now.
+        """
+        key = contact.id, taker.id
+        if key not in self.copies:
+            is_first = contact.id not in self.rank and not any(
+                id_ == contact.id for id_, _ in self.copies)
+            again = contact if is_first else replace(contact, id=f'{contact.id}_{taker.id}')
+            self.copies[key] = -1  # for a loop without a block, which has been reported
+            prelude, operand = self.blocks.read(contact.operand, contact.location)
+            self.copies[key] = self._symbol(
+                again, Resolved(operand=operand), prelude,
+                self.connections.sources.get((contact.id, ''), ()), owner=taker)
+            del self.vertex[again.id]
+        return _Giver(symbol=self.copies[key])
 
     def _output(self, port: Port, giver: _Giver) -> _Giver:
         """Apply a negation that is drawn on an output pin."""
@@ -277,8 +307,9 @@ class _Builder:
         self, component: Component, resolved: Resolved, prelude: tuple[Instruction, ...],
         sources: Sequence[Port], *, instance: str = '', is_block: bool = False,
         touches: tuple[Operand, ...] = (), body: tuple[Instruction, ...] = (),
+        owner: Component | None = None,
     ) -> int:
-        owner = self.blocks.components.get(component.id, component)
+        owner = owner or self.blocks.components.get(component.id, component)
         givers = [self._giver(port, owner) for port in sources]
         number = len(self.symbols)
         memory: Ref | None = None

@@ -5,7 +5,8 @@
 The statements of the drawing (coils, outVariables and blocks) form one list, by position or as the
 file has them.  Each pulls what it needs: contacts and blocks that were not evaluated yet.  Every
 component is evaluated once.  A loop is cut where a block's output is read before the block is
-evaluated; a loop without a block is an error.
+evaluated; a loop without a block is an error.  Contacts on the way from a block's output back to
+its input are left to what else they feed: for the block they are drawn once more.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from dataclasses import dataclass, field
 from functools import cmp_to_key
 
 from ladder_ros.compiler.lowering import Lowering
-from ladder_ros.model.component import Block, Coil, Component, Instance, OutVariable
+from ladder_ros.model.component import Block, Coil, Component, Contact, Instance, OutVariable
 from ladder_ros.model.program import Order, Port, Rung
 
 SAME_ROW = 10
@@ -93,6 +94,8 @@ class _Ordering:
     lowering: Lowering
     order: list[Component] = field(default_factory=list)
     done: set[str] = field(default_factory=set)
+    early: set[str] = field(default_factory=set)
+    """Contacts that pass on what a block gave last, while that block waits for its inputs."""
 
     def visit(self, start: str) -> None:
         """Evaluate a component after all that it needs; depth first, without recursion."""
@@ -102,19 +105,35 @@ class _Ordering:
             name, is_left = pending.pop()
             if is_left:
                 trail.pop()
-                self.done.add(name)
-                self.order.append(self.components[name])
+                self._leave(name)
                 continue
             if name in self.done or name not in self.components:
                 continue
-            if name in trail:
-                self._check_loop(trail[trail.index(name):])
+            if name in self.early or name in trail:
+                if name in trail:
+                    self._check_loop(trail[trail.index(name):])
+                self._pass_on(trail)
                 continue
             trail.append(name)
             pending.append((name, True))
             needed = [port.component for pin in self.connections.pins.get(name, ())
                       for port in self.connections.sources[name, pin]]
             pending.extend((source, False) for source in reversed(needed))
+
+    def _leave(self, name: str) -> None:
+        if name in self.early:
+            return
+        if not isinstance(self.components[name], Contact):
+            self.early.clear()
+        self.done.add(name)
+        self.order.append(self.components[name])
+
+    def _pass_on(self, trail: Sequence[str]) -> None:
+        """Note the contacts at the end of the trail, which a block's last output reaches."""
+        for before in reversed(trail):
+            if not isinstance(self.components[before], Contact):
+                break
+            self.early.add(before)
 
     def _check_loop(self, loop: Sequence[str]) -> None:
         components = [self.components[name] for name in loop]

@@ -13,8 +13,9 @@ from dataclasses import replace
 import os
 from pathlib import Path
 
-from ladder_ros.diagnostics import LadderError
+from ladder_ros.diagnostics import Diagnostic, LadderError, problem
 from ladder_ros.model.program import Program
+from ladder_ros.problems import PROBLEMS
 from ladder_ros.source.openplc_declarations import (
     configuration,
     cut_header,
@@ -35,6 +36,7 @@ from ladder_ros.source.xml_tree import Element, MAX_DIAGNOSTICS
 DIALECT = 'openplc'
 """What ``Program.dialect`` is for a project of OpenPLC Editor v4."""
 
+_FOREIGN = PROBLEMS['L0130']
 _OTHERS = {'.il': 'IL', '.sfc': 'SFC', '.py': 'Python', '.cpp': 'C++'}
 _LANGUAGES = {'python': 'Python', 'cpp': 'C++'}
 _DRAWN = ('.ld', '.fbd')
@@ -54,13 +56,28 @@ def read_openplc(folder: Path) -> Program:
             raise LadderError([])
         program = read_plcopen(root, os.fspath(folder))
     except LadderError as error:
-        found = [*notes.errors, *error.diagnostics, *notes.warnings][:MAX_DIAGNOSTICS]
+        found = [*notes.errors, *map(_own, error.diagnostics), *notes.warnings][:MAX_DIAGNOSTICS]
         raise LadderError(places.diagnostic(d) for d in found) from None
     # What language a body is in, is said where the body is used, and not a fault of the file.
     warnings = notes.warnings + [
-        d for d in program.warnings if d.code != 'L0130' or d.location.line not in notes.foreign]
+        _own(d) for d in program.warnings
+        if d.code != _FOREIGN.code or d.location.line not in notes.foreign]
     del warnings[MAX_DIAGNOSTICS:]
     return places.node(replace(program, warnings=tuple(warnings), dialect=DIALECT))
+
+
+def _own(diagnostic: Diagnostic) -> Diagnostic:
+    """Return what departs from PLCopen as what departs from this format."""
+    if diagnostic.code != _FOREIGN.code:
+        return diagnostic
+    return problem(
+        'L0151', diagnostic.location, what=_filled(_FOREIGN.message, diagnostic.message),
+        read=_filled(_FOREIGN.help, diagnostic.help))
+
+
+def _filled(template: str, text: str) -> str:
+    """Return what stands in a text where its template, up to its end, has a placeholder."""
+    return text.removeprefix(template.partition('{')[0])
 
 
 def _project(folder: Path, notes: Notes) -> Element:

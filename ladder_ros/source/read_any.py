@@ -14,6 +14,7 @@ from ladder_ros.source.openplc_files import pou_files, PROJECT_FILE
 from ladder_ros.source.openplc_to_model import read_openplc
 from ladder_ros.source.plcopen_project import is_project
 from ladder_ros.source.plcopen_to_model import parse_project
+from ladder_ros.source.st_to_model import is_st, parse_st
 from ladder_ros.source.xml_to_model import parse_program
 from ladder_ros.source.xml_tree import read_file, root_element
 
@@ -32,6 +33,8 @@ def read_any(path: str | os.PathLike[str]) -> Program:
 
 def parse_any(data: bytes, file: str = '') -> Program:
     """Read a program from the bytes of an XML file; ``file`` is its name in locations."""
+    if is_st(data):
+        return parse_st(data, file)
     namespace, tag = root_element(data)
     if is_project(namespace, tag):
         return with_options(parse_project(data, file), import_options(file))

@@ -347,16 +347,17 @@ def test_statements_when_random_then_all_backends_agree(text: str) -> None:
 
 
 NOISE = st.recursive(
-    st.sampled_from(['a', 'i', 'r', 's', 'g', 'g[1, i]', 't.Q', 't', 'f.total', 'w.3', 'green', '1',
-                     '1.5', "'x'", 'T#1s', '16#FFFFFFFFFFFFFFFF', 'TRUE', 'INT#5', 'nothing', 'p.x']),
+    st.sampled_from([
+        'a', 'i', 'r', 's', 'g', 'g[1, i]', 't.Q', 't', 'f.total', 'w.3', 'green', '1', '1.5',
+        "'x'", 'T#1s', '16#FFFFFFFFFFFFFFFF', 'TRUE', 'INT#5', 'nothing', 'p.x']),
     lambda inner: st.one_of(
         st.tuples(inner, st.sampled_from(
             ['+', '-', '*', '/', 'MOD', '**', 'AND', 'OR', 'XOR', '<', '=', '<>']), inner)
         .map(lambda parts: f'({" ".join(parts)})'),
         inner.map(lambda text: f'-({text})'), inner.map(lambda text: f'NOT ({text})'),
-        st.tuples(st.sampled_from(['MAX', 'SEL', 'SHL', 'MUX', 'ABS', 'LEN', 'Twice', 'EXPT', 'TON',
-                                   'INT_TO_REAL', 'LIMIT', 'CONCAT', 'GT', 'TRUNC', 'g', 'MOVE']),
-                  st.lists(inner, max_size=3))
+        st.tuples(st.sampled_from([
+            'MAX', 'SEL', 'SHL', 'MUX', 'ABS', 'LEN', 'Twice', 'EXPT', 'TON', 'INT_TO_REAL',
+            'LIMIT', 'CONCAT', 'GT', 'TRUNC', 'g', 'MOVE']), st.lists(inner, max_size=3))
         .map(lambda parts: f'{parts[0]}({", ".join(parts[1])})'),
         inner.map(lambda text: f'g[{text}, 1]')),
     max_leaves=6)

@@ -25,6 +25,7 @@ from support.openplc import (
 )
 
 from ladder_ros.compiler.pipeline import check_program, compile_program
+from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Executable
 from ladder_ros.model.component import (
     Block,
@@ -42,7 +43,7 @@ from ladder_ros.model.types import DataType, NS_PER_MS, Value
 from ladder_ros.runtime.scan_cycle import ScanCycle
 from ladder_ros.source.read_any import folder_hash, openplc_folder, read_any
 
-SEAL = [[['start'], ['motor']], '/stop', '(motor)']
+SEAL: Series = [[['start'], ['motor']], '/stop', '(motor)']
 
 
 def run(executable: Executable, *rows: Mapping[str, Value]) -> list[dict[str, Value]]:
@@ -416,7 +417,6 @@ def test_hash_when_a_pou_changes_then_it_changes_too(tmp_path: Path) -> None:
 def test_folder_when_it_has_no_pou_then_that_is_said(
     tmp_path: Path, change: Callable[[Path], None],
 ) -> None:
-    from ladder_ros.diagnostics import LadderError
     read_ladder(tmp_path, bools('a', 'q'), ['a', '(q)'])
     change(tmp_path / 'pous')
     with pytest.raises(LadderError) as caught:

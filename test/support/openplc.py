@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """OpenPLC Editor v4 projects for tests: made as the editor saves them, from short notations.
 
-A rung is a series of parts: ``'a'`` a contact, ``'/a'`` a negated one, ``'>a'`` and ``'<a'`` edges;
-``'(q)'`` a coil, ``'(/q)'``, ``'(S q)'``, ``'(R q)'``, ``'(>q)'``, ``'(<q)'`` its kinds; a list of
-series are branches side by side; :func:`block` is a box.
+A rung is a series of parts: ``'a'`` a contact, ``'/a'`` a negated one, ``'>a'`` and ``'<a'``
+edges; ``'(q)'`` a coil, ``'(/q)'``, ``'(S q)'``, ``'(R q)'``, ``'(>q)'``, ``'(<q)'`` its kinds; a
+list of series are branches side by side; :func:`block` is a box.
 """
 
 from __future__ import annotations

@@ -1,0 +1,433 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Emit Structured Text: the instructions of a POU -> statements (IEC 61131-3, tables 55 and 56).
+
+As in ``il_to_python`` the machine's stack exists only while emitting.  An expression is put into a
+variable before something that it reads is written, and when it is used twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+import re
+
+from ladder_ros.compiler.il import Call, CONTROL, Instruction, Op
+from ladder_ros.compiler.st_names import interface, literal, Names
+from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
+from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.model.catalogue import BlockKind, CATALOGUE
+from ladder_ros.model.program import CallKind, Composite, Direction
+from ladder_ros.model.types import DataType, default_value
+
+_LONGEST = 90
+_SURE = frozenset({
+    'ADD', 'SUB', 'MUL', 'MOVE', 'AND', 'OR', 'XOR', 'NOT', 'MAX', 'MIN', 'LIMIT', 'SEL', 'ABS',
+    'LEN', 'CONCAT', 'FIND', 'ADD_TIME', 'SUB_TIME',
+})
+"""Functions that have no arithmetic error: their ENO is EN."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Value:
+    """An expression on the stack: its text, the variables it reads, how tightly it binds."""
+
+    text: str
+    reads: frozenset[str] = frozenset()
+    binds: int = 3
+
+    def inside(self, binds: int) -> str:
+        return self.text if self.binds >= binds else f'({self.text})'
+
+
+_OR, _AND, _NOT = 0, 1, 2
+
+
+@dataclass(slots=True, kw_only=True)
+class StEmitter:
+    """Emits statements of one POU.
+
+    ``composites`` are the program's by casefolded name; ``by_name`` are those in which two names
+    may mean one variable.  With ``aliased`` two names may mean one
+    variable (parameters by reference), and any write saves all values in between.
+    """
+
+    names: Names
+    composites: dict[str, Composite]
+    by_name: frozenset[str] = frozenset()
+    aliased: bool = False
+    lines: list[str] = field(default_factory=list)
+    stack: list[_Value] = field(default_factory=list)
+    memory: list[_Value] = field(default_factory=list)
+    indent: str = ''
+
+    def put(self, line: str) -> None:
+        """Append a line."""
+        self.lines.append(self.indent + line)
+
+    def network(self, code: Sequence[Instruction]) -> None:
+        """Emit the code of a rung."""
+        self.stack, self.memory = [], []
+        for number, instruction in enumerate(code):
+            following = code[number + 1:number + 2]
+            is_last = not following or following[0].op is Op.DRP
+            self._instruction(instruction, is_last)
+
+    # -- values -----------------------------------------------------------------------------
+
+    def _settle(self) -> _Value:
+        """Put the current result into a variable, unless it is one of ours or a constant."""
+        self.stack[-1] = self._saved(self.stack[-1])
+        return self.stack[-1]
+
+    def _saved(self, value: _Value) -> _Value:
+        if not value.reads and value.binds == 3:
+            return value
+        name = self.names.temporary(DataType.BOOL)
+        self.put(f'{name} := {value.text};')
+        return _Value(text=name)
+
+    def _save_readers(self, written: frozenset[str] | None) -> None:
+        for values in (self.stack, self.memory):
+            for place, value in enumerate(values):
+                if value.reads and (written is None or self.aliased or value.reads & written):
+                    values[place] = self._saved(value)
+
+    def read(self, operand: Operand) -> _Value:
+        """Return an operand as an expression."""
+        if isinstance(operand, Literal):
+            return _Value(text=literal(operand.value, operand.type))
+        if isinstance(operand, Element):
+            inside, place = self._element(operand)
+            name = self.names.temporary(operand.type)
+            zero = literal(default_value(operand.type), operand.type)
+            self.put(f'IF {inside} THEN {name} := {place}; ELSE {name} := {zero}; END_IF;')
+            return _Value(text=name)
+        text = self.names.place(operand)
+        if operand.path.startswith('%T'):
+            return _Value(text=text)
+        return _Value(text=text, reads=frozenset({_root(text)}))
+
+    def _element(self, element: Element) -> tuple[str, str]:
+        """Return the condition that an element is in its array, and its place."""
+        first = self.names.place(element.first)
+        index = self.read(element.index).text
+        found = re.findall(r'\[(-?\d+)\]', first)
+        if len(found) != 1 or '{' in index:
+            raise LadderError.of('L0511', Location(), form='st', what=(
+                f'an element of {element.first} which several subscripts find'))
+        low = int(found[0])
+        type_ = element.index.type
+        bounds = [literal(n, type_) for n in (0, element.count)]
+        subscript = index if low == 0 else f'{index} + {literal(low, type_)}'
+        return (f'({index} >= {bounds[0]}) AND ({index} < {bounds[1]})',
+                first.replace(f'[{low}]', f'[{subscript}]'))
+
+    def _combine(self, left: _Value, right: _Value, binds: int) -> _Value:
+        word = 'AND' if binds == _AND else 'OR'
+        neutral = 'TRUE' if binds == _AND else 'FALSE'
+        if neutral in (left.text, right.text):
+            return right if left.text == neutral else left
+        value = _Value(text=f'{left.inside(binds)} {word} {right.inside(binds)}',
+                       reads=left.reads | right.reads, binds=binds)
+        if len(value.text) > _LONGEST:
+            return self._saved(_unsettled(value))
+        return value
+
+    def _written(self, target: Operand) -> frozenset[str]:
+        if isinstance(target, Ref) and target.path.startswith('%T'):
+            return frozenset()
+        first = target.first if isinstance(target, Element) else target
+        assert isinstance(first, Ref)
+        return frozenset({_root(self.names.place(first))})
+
+    def write(self, target: Operand, text: str) -> None:
+        """Assign; what reads the target has been saved."""
+        if isinstance(target, Element):
+            inside, place = self._element(target)
+            self.put(f'IF {inside} THEN {place} := {text}; END_IF;')
+            return
+        assert isinstance(target, Ref)
+        owner = self.names.owner(target.path)
+        if owner is not None and owner[1] is not None and not _can_write(owner[1], owner[2]):
+            return  # a function's own variables start afresh by themselves
+        self.put(f'{self.names.place(target)} := {text};')
+
+    # -- instructions -----------------------------------------------------------------------
+
+    def _instruction(self, instruction: Instruction, is_last: bool) -> None:
+        op = instruction.op
+        if op.value[:2] in ('LD', 'AN', 'OR') and instruction.operand is not None:
+            self._contact(instruction)
+        elif op in (Op.ANB, Op.ORB):
+            right, left = self.stack.pop(), self.stack.pop()
+            self.stack.append(self._combine(left, right, _AND if op is Op.ANB else _OR))
+        elif op is Op.MPS:
+            top = self.stack[-1]
+            self.memory.append(self._settle() if top.binds < 3 else top)
+        elif op in (Op.MRD, Op.MPP, Op.LRD, Op.LPP):
+            if op in (Op.MRD, Op.MPP):
+                self.stack.pop()
+            self.stack.append(
+                self.memory.pop() if op in (Op.MPP, Op.LPP) else self.memory[-1])
+        elif op is Op.DRP:
+            self.stack.pop()
+        elif op is Op.NOT:
+            self.stack[-1] = _negated(self.stack[-1])
+        elif op is Op.MOV:
+            assert instruction.operand is not None and instruction.target is not None
+            value = self.read(instruction.operand)
+            self._save_readers(self._written(instruction.target))
+            self.write(instruction.target, value.text)
+        elif op in CONTROL:
+            self._control(op)
+        elif instruction.call is not None:
+            self._call(op, instruction.call, is_last)
+        else:
+            self._coil(instruction, is_last)
+
+    def _control(self, op: Op) -> None:
+        condition = self.stack.pop().text if op in (Op.IF, Op.BRK, Op.RET) else ''
+        self._save_readers(None)
+        if op in (Op.ELSE, Op.FI, Op.POOL):
+            self.indent = self.indent[:-2]
+        self.put({
+            Op.IF: f'IF {condition} THEN', Op.ELSE: 'ELSE', Op.FI: 'END_IF;',
+            Op.LOOP: 'WHILE TRUE DO', Op.POOL: 'END_WHILE;',
+            Op.BRK: f'IF {condition} THEN EXIT; END_IF;',
+            Op.RET: f'IF {condition} THEN RETURN; END_IF;'}[op])
+        if op in (Op.IF, Op.ELSE, Op.LOOP):
+            self.indent += '  '
+
+    def _contact(self, instruction: Instruction) -> None:
+        assert instruction.operand is not None
+        value = self.read(instruction.operand)
+        base = instruction.op.value[:2]
+        mode = instruction.op.value[3 if base == 'AN' else 2:]
+        if mode == 'N':
+            value = _negated(value)
+        elif mode in ('P', 'F'):
+            value = self._edge(instruction, value, mode)
+        if base == 'LD':
+            self.stack.append(value)
+        else:
+            self.stack[-1] = self._combine(
+                self.stack[-1], value, _AND if base == 'AN' else _OR)
+
+    def _edge(self, instruction: Instruction, now: _Value, mode: str) -> _Value:
+        assert instruction.memory is not None
+        memory = self.names.place(instruction.memory)
+        level = now if mode == 'P' else _negated(now)
+        name = self.names.temporary(DataType.BOOL)
+        self.put(f'{name} := {level.inside(_NOT)} AND NOT {memory};')
+        self.put(f'{memory} := {level.text};')
+        return _Value(text=name)
+
+    def _coil(self, instruction: Instruction, is_last: bool) -> None:
+        op, operand = instruction.op, instruction.operand
+        assert operand is not None
+        if op in (Op.STP, Op.STF):
+            edge = self._edge(instruction, self._settle(), op.value[2])
+            self._save_readers(self._written(operand))
+            self.write(operand, edge.text)
+            return
+        power = self.stack[-1] if is_last else self._settle()
+        keep = self.stack.pop()
+        self._save_readers(self._written(operand))
+        self.stack.append(keep)
+        if op in (Op.ST, Op.STN):
+            self.write(operand, power.text if op is Op.ST else _negated(power).text)
+            return
+        if power.text == 'TRUE':
+            self.write(operand, 'TRUE' if op is Op.S else 'FALSE')
+            return
+        self.put(f'IF {power.text} THEN')
+        self.indent += '  '
+        self.write(operand, 'TRUE' if op is Op.S else 'FALSE')
+        self.indent = self.indent[:-2]
+        self.put('END_IF;')
+
+    # -- calls ------------------------------------------------------------------------------
+
+    def _call(self, op: Op, call: Call, is_last: bool) -> None:
+        if op is Op.CAL:
+            self._function_block(call)
+        elif op is Op.FUN:
+            self._function(call, is_last)
+        else:
+            self._routine(op, call)
+
+    def release(self, call: Call) -> None:
+        """Call an enabled composite as one whose power has ended."""
+        self.stack.append(_Value(text='FALSE'))
+        self._routine(Op.EXE, call)
+        self.stack.pop()
+
+    def _routine(self, op: Op, call: Call) -> None:
+        """Call a composite: always where EN is a matter of the composite itself."""
+        power = self._settle().text
+        self._save_readers(None)
+        composite = self.composites[call.name.casefold()]
+        name = self.names.instance(call.instance, composite.name, composite)
+        arguments: list[str] = []
+        before: list[tuple[Operand, str]] = []
+        after: list[tuple[Operand, str]] = []
+        own, enable = interface(composite)
+        if op is Op.EXE:
+            arguments.append(f'{enable} := {power}')
+        for pin, operand in call.inputs:
+            if op is Op.RUN and not _is_inout(composite, pin):
+                continue
+            parameter = own.own(pin)
+            by_value = op is Op.EXE and not self.by_reference(composite, pin)
+            if by_value and not isinstance(operand, Element):
+                arguments.append(f'{parameter} := {self.read(operand).text}')
+                continue
+            if isinstance(operand, Ref) and not self._is_field(operand):
+                arguments.append(f'{parameter} := {self.names.place(operand)}')
+                continue
+            copy = self.names.temporary(operand.type)
+            before.append((operand, copy))
+            if isinstance(operand, Element):
+                after.append((operand, copy))
+            arguments.append(f'{parameter} := {copy}')
+        for operand, copy in before:
+            self.put(f'{copy} := {self.read(operand).text};')
+        text = f'{name}({", ".join(arguments)});'
+        self.put(text if op is Op.EXE or power == 'TRUE' else f'IF {power} THEN {text} END_IF;')
+        for operand, copy in after:
+            self.write(operand, copy)
+
+    def by_reference(self, composite: Composite, pin: str) -> bool:
+        """Say whether a parameter of an enabled composite must be the very variable."""
+        return composite.name.casefold() in self.by_name or not any(
+            p.name.casefold() == pin.casefold() and p.direction is Direction.INPUT
+            for p in composite.parameters)
+
+    def _is_field(self, operand: Ref) -> bool:
+        """Say whether an operand is a block's: nobody else can write it, but nor be given it."""
+        return self.names.owner(operand.path) is not None
+
+    def _function_block(self, call: Call) -> None:
+        kind = CATALOGUE[call.name]
+        name = self.names.instance(call.instance, kind.name, None)
+        bound = {pin: self.read(operand).text for pin, operand in call.inputs}
+        power = self.stack.pop()
+        bound.setdefault(kind.power_input, power.text)
+        written = frozenset({_root(name)}).union(*(self._written(t) for _, t in call.outputs))
+        self._save_readers(written)
+        arguments = ', '.join(
+            f'{pin.name} := {bound[pin.name]}' for pin in kind.inputs
+            if bound.get(pin.name, f'{name}.{pin.name}') != f'{name}.{pin.name}')
+        enabled = bound.get('EN', 'TRUE')
+        if enabled != 'TRUE':
+            self.put(f'IF {enabled} THEN')
+            self.indent += '  '
+        self.put(f'{name}({arguments});')
+        for pin_name, target in call.outputs:
+            self.write(target, f'{name}.{pin_name}')
+        if enabled != 'TRUE':
+            self.indent = self.indent[:-2]
+            self.put('END_IF;')
+        self.stack.append(_Value(
+            text=f'{name}.{kind.power_output}', reads=frozenset({_root(name)})))
+
+    def _function(self, call: Call, is_last: bool) -> None:
+        kind = CATALOGUE[call.name]
+        power = self._settle()
+        self.stack.pop()
+        self._save_readers(_NOTHING.union(*(self._written(t) for _, t in call.outputs)))
+        arguments = [(pin, self.read(operand)) for pin, operand in call.inputs]
+        targets = dict(call.outputs)
+        wants_eno = 'ENO' in targets or (kind.power_output == 'ENO' and not is_last)
+        if kind.power_output == 'OUT' and 'OUT' not in targets and not wants_eno:
+            value = _application(kind, arguments)
+            self.stack.append(value if power.text == 'TRUE' else self._combine(
+                power, value, _AND))
+            return
+        self._guarded_function(call, kind, power, arguments, wants_eno)
+
+    def _guarded_function(
+        self, call: Call, kind: BlockKind, power: _Value, arguments: list[tuple[str, _Value]],
+        wants_eno: bool,
+    ) -> None:
+        """Emit a call whose ENO counts, or which is done only where there is power."""
+        out_pin = next(pin for pin in kind.outputs if pin.name == 'OUT')
+        type_ = out_pin.type if isinstance(out_pin.type, DataType) else call.type
+        out = self.names.temporary(type_)
+        fine = power
+        unsure = wants_eno and kind.name not in _SURE and (kind.base or kind.name) not in _SURE
+        if unsure:
+            fine = _Value(text=self.names.temporary(DataType.BOOL))
+        guarded = power.text != 'TRUE'
+        zero = literal(default_value(type_), type_)
+        if guarded:
+            self.put(f'{out} := {zero};')
+            if unsure:
+                self.put(f'{fine.text} := FALSE;')
+            self.put(f'IF {power.text} THEN')
+            self.indent += '  '
+        value = _application(kind, arguments, eno=fine.text if unsure else '')
+        self.put(f'{out} := {value.text};')
+        kept = [target for pin, target in call.outputs
+                if pin == 'OUT' and '%data' not in str(target)]
+        for target in kept:
+            self.write(target, out)
+        if guarded:
+            self.indent = self.indent[:-2]
+            self.put('END_IF;')
+        for pin, target in call.outputs:
+            if target not in kept:
+                self.write(target, fine.text if pin == 'ENO' else out)
+        self.stack.append(fine if kind.power_output == 'ENO' else _Value(text=out))
+
+
+_NOTHING: frozenset[str] = frozenset()
+
+
+def _unsettled(value: _Value) -> _Value:
+    """Return a value that is to be saved whatever it reads."""
+    return _Value(text=value.text, reads=value.reads | {''}, binds=value.binds)
+
+
+def _application(
+    kind: BlockKind, arguments: Sequence[tuple[str, _Value]], eno: str = '',
+) -> _Value:
+    """Return the call of a function as an expression."""
+    reads = _NOTHING.union(*(value.reads for _, value in arguments))
+    if kind.name == 'MOVE' and not eno:
+        (_, value), = arguments
+        return value
+    if eno:
+        parts = [f'{pin} := {value.text}' for pin, value in arguments if pin != 'EN']
+        text = f'{kind.name}({", ".join([*parts, f"ENO => {eno}"])})'
+    else:
+        plain = ', '.join(value.text for pin, value in arguments if pin != 'EN')
+        text = f'{kind.name}({plain})'
+    return _Value(text=text, reads=reads | {''})
+
+
+def _negated(value: _Value) -> _Value:
+    if value.binds == _NOT:
+        return _Value(text=value.text[4:], reads=value.reads)
+    if value.text in ('TRUE', 'FALSE'):
+        return _Value(text='FALSE' if value.text == 'TRUE' else 'TRUE')
+    return _Value(text=f'NOT {value.inside(3)}', reads=value.reads, binds=_NOT)
+
+
+def _root(place: str) -> str:
+    match = re.match(r'%?\w+', place)
+    return (match[0] if match else place).casefold()
+
+
+def _is_inout(composite: Composite, name: str) -> bool:
+    return any(p.name.casefold() == name.casefold() and p.direction is Direction.INOUT
+               for p in composite.parameters)
+
+
+def _can_write(composite: Composite, rest: str) -> bool:
+    """Say whether a part of an instance can be assigned from outside: only its inputs."""
+    head = re.split(r'[.\[]', rest, maxsplit=1)[0].casefold()
+    return composite.call is not CallKind.FUNCTION or any(
+        p.name.casefold() == head and p.direction is Direction.INPUT
+        for p in composite.parameters)

@@ -1,0 +1,185 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Names of an exported Structured Text POU: paths of the compiler -> identifiers and places.
+
+Standard identifiers only (IEC 61131-3, 6.1.2): letters, digits, single underscores, no keyword.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+import re
+
+from ladder_ros.compiler.symbols import is_address, pou_key, Ref, Scope
+from ladder_ros.model.catalogue import CATALOGUE
+from ladder_ros.model.derived import leaves
+from ladder_ros.model.program import CallKind, Composite
+from ladder_ros.model.types import DataType, default_value, format_literal, format_time, Value
+
+KEYWORDS = frozenset(['ABS', 'ACTION', 'AND', 'ANDN', 'ANY', 'ARRAY', 'AT', 'BEGIN', 'BOOL', 'BY', 'BYTE', 'CAL', 'CALC', 'CALCN', 'CASE', 'CD', 'CONFIGURATION', 'CONSTANT', 'CU', 'DATE', 'DATE_AND_TIME', 'DINT', 'DO', 'DT', 'DWORD', 'ELSE', 'ELSIF', 'EN', 'END', 'END_ACTION', 'END_CASE', 'END_CONFIGURATION', 'END_FOR', 'END_FUNCTION', 'END_FUNCTION_BLOCK', 'END_IF', 'END_PROGRAM', 'END_REPEAT', 'END_RESOURCE', 'END_STEP', 'END_STRUCT', 'END_TRANSITION', 'END_TYPE', 'END_VAR', 'END_WHILE', 'ENO', 'EQ', 'EXIT', 'EXPONENT_FUNCTION', 'F_EDGE', 'FALSE', 'FOR', 'FROM', 'FUNCTION', 'FUNCTION_BLOCK', 'GE', 'GT', 'IF', 'IN', 'INITIAL_STEP', 'INT', 'INTERVAL', 'JMP', 'JMPC', 'JMPCN', 'L', 'LD', 'LDN', 'LE', 'LINT', 'LREAL', 'LT', 'LWORD', 'MOD', 'NE', 'NON_RETAIN', 'NOT', 'OF', 'ON', 'OR', 'ORN', 'P', 'PRIORITY', 'PROGRAM', 'PT', 'PV', 'R', 'R_EDGE', 'R1', 'READ_ONLY', 'READ_WRITE', 'REAL', 'REPEAT', 'RESOURCE', 'RET', 'RETAIN', 'RETURN', 'RETC', 'RETCN', 'S', 'S1', 'SINGLE', 'SINT', 'ST', 'STEP', 'STN', 'STRING', 'STRUCT', 'TASK', 'THEN', 'TIME', 'TIME_OF_DAY', 'TO', 'TOD', 'TRANSITION', 'TRUE', 'TYPE', 'UDINT', 'UINT', 'ULINT', 'UNTIL', 'USINT', 'VAR', 'VAR_ACCESS', 'VAR_CONFIG', 'VAR_EXTERNAL', 'VAR_GLOBAL', 'VAR_IN_OUT', 'VAR_INPUT', 'VAR_OUTPUT', 'VAR_TEMP', 'WHILE', 'WITH', 'WORD', 'WSTRING', 'XOR', 'XORN', 'CLK'])
+"""Words that no identifier may be; pins of the standard blocks among them, to be safe."""
+
+
+class Identifiers:
+    """Gives every thing of one name space an identifier of its own."""
+
+    def __init__(self, taken: frozenset[str] = frozenset()) -> None:
+        self._taken = set(taken)
+        self._known: dict[str, str] = {}
+
+    def own(self, name: str) -> str:
+        """Return the identifier of a name of the user: the name itself where that can be."""
+        key = name.casefold()
+        if key not in self._known:
+            self._known[key] = self.fresh(name)
+        return self._known[key]
+
+    def fresh(self, wanted: str) -> str:
+        """Return an identifier that nothing has had yet."""
+        stem = re.sub('[^A-Za-z0-9]+', '_', wanted).strip('_') or 'x'
+        if stem[0].isdigit():
+            stem = f'n{stem}'
+        elif wanted.startswith('_'):
+            stem = f'_{stem}'
+        name, count = stem, 1
+        while self._is_bad(name):
+            count += 1
+            name = f'{stem}_{count}'
+        self._taken.add(name.casefold())
+        return name
+
+    def _is_bad(self, name: str) -> bool:
+        return (name.casefold() in self._taken or name.upper() in KEYWORDS
+                or name.upper() in CATALOGUE)
+
+
+@dataclass(slots=True, kw_only=True)
+class Names:
+    """What the paths of one POU (or of the bodies that become one program) are called.
+
+    ``hidden`` collects what must be declared besides the variables of the scope: identifier ->
+    type, as text.
+    """
+
+    scope: Scope
+    scopes: Mapping[str, Scope]
+    identifiers: Identifiers
+    types: Identifiers
+    prefix: str = ''
+    """What tells hidden names of several bodies apart."""
+    hidden: dict[str, str] = field(default_factory=dict)
+    instances: dict[str, tuple[str, Composite | None]] = field(default_factory=dict)
+    """Block and composite instances by casefolded path: identifier and composite."""
+    _paths: dict[str, str] = field(default_factory=dict)
+
+    def declare_instances(self) -> None:
+        """Declare the block and composite instances of the POU; inline ones leave their parts."""
+        self._declare(self.scope, '')
+
+    def _declare(self, scope: Scope, prefix: str) -> None:
+        for name, kind in scope.blocks.values():
+            self.instance(prefix + name, kind.name, None)
+        for name, composite in scope.instances.values():
+            if composite.call is not CallKind.INLINE:
+                self.instance(prefix + name, composite.name, composite)
+                continue
+            for variable in composite.variables:
+                for suffix, type_, value in leaves(variable.type, variable.initial):
+                    self._variable(f'{prefix}{name}.{variable.name}{suffix}', type_, value)
+            self._declare(self.scopes[pou_key(composite)], f'{prefix}{name}.')
+
+    def _variable(self, path: str, type_: DataType, value: Value) -> None:
+        """Declare a variable of an inline composite."""
+        name = self._paths[self._key(path)] = self._new(path)
+        self.hidden[name] = type_.value
+        if value != default_value(type_):
+            self.hidden[name] += f' := {literal(value, type_)}'
+
+    def instance(self, path: str, type_: str, composite: Composite | None) -> str:
+        """Return the identifier of an instance; it is declared if it is new."""
+        key = self._key(path)
+        if key not in self.instances:
+            name = self._new(path)
+            self.instances[key] = name, composite
+            self.hidden[name] = type_ if composite is None else self.types.own(type_)
+        return self.instances[key][0]
+
+    def temporary(self, type_: DataType) -> str:
+        """Return a new variable of the POU for a value in between."""
+        name = self.identifiers.fresh('v1' if not self.hidden else f'v{len(self.hidden) + 1}')
+        self.hidden[name] = type_.value
+        return name
+
+    def owner(self, path: str) -> tuple[str, Composite | None, str] | None:
+        """Return the instance that a path goes into, its composite, and the rest of the path."""
+        key = self._key(path)
+        for end, character in enumerate(key):
+            if character == '.' and key[:end] in self.instances:
+                name, composite = self.instances[key[:end]]
+                return name, composite, path[end - len(key):].lstrip('.')
+        return None
+
+    def place(self, ref: Ref) -> str:
+        """Return a variable, or a part of one, as Structured Text writes it."""
+        path = ref.path
+        if is_address(path):
+            return path.upper()
+        inside = self.owner(path)
+        if inside is not None:
+            name, composite, rest = inside
+            if composite is None:
+                return f'{name}.{rest}'
+            head = re.match(r'[^.\[]+', rest)
+            assert head is not None
+            return f'{name}.{interface(composite)[0].own(head[0])}{rest[head.end():]}'
+        head = re.match(r'[^.\[]+', path)
+        assert head is not None
+        if '%' not in path and head[0].casefold() in self.scope.symbols:
+            return self.identifiers.own(head[0]) + path[head.end():]
+        key = self._key(path)
+        if path.startswith('%T'):
+            key = f'{path}:{ref.type}'  # temporaries of several rungs share their numbers
+        if key not in self._paths:
+            self._paths[key] = self._new(path)
+            self.hidden[self._paths[key]] = ref.type.value
+        return self._paths[key]
+
+    def _key(self, path: str) -> str:
+        return f'{self.prefix}{path}'.casefold() if path.startswith('%') else path.casefold()
+
+    def _new(self, path: str) -> str:
+        simple = re.fullmatch(r'\w+', path, re.ASCII)
+        return self.identifiers.own(path) if simple else self.identifiers.fresh(path)
+
+
+def interface(composite: Composite) -> tuple[Identifiers, str]:
+    """Return the identifiers of a composite's own names, and that of its enabling input."""
+    own = Identifiers(frozenset({composite.name.casefold()}))
+    for name in composite.externals:
+        if not is_address(name):
+            own.own(name)
+    for noun in (*composite.parameters, *composite.variables):
+        own.own(noun.name)
+    return own, own.fresh('ENABLE') if composite.call is CallKind.ENABLED else ''
+
+
+def literal(value: Value, type_: DataType) -> str:
+    """Return a constant as every reader of Structured Text takes it, with its type."""
+    text = format_literal(value, type_)
+    if type_ is DataType.BOOL or type_ is DataType.STRING:
+        return text
+    if type_ is DataType.TIME:
+        return _duration(int(value))
+    if type_.is_real and 'e' in text and '.' not in text:
+        mantissa, _, exponent = text.partition('e')
+        text = f'{mantissa}.0e{exponent}'
+    return f'{type_}#{text}'
+
+
+def _duration(value: int) -> str:
+    """Return a duration without us and ns, which the standard's second edition lacks."""
+    if value % 1_000_000 == 0:
+        return format_time(value)
+    whole, rest = divmod(abs(value), 1_000_000)
+    return f'T#{"-" if value < 0 else ""}{whole}.{rest:06}'.rstrip('0') + 'ms'
