@@ -36,7 +36,7 @@ from ladder_ros.runtime.listeners import (
 from ladder_ros.runtime.names import find_slot, named_slots, value_for
 from ladder_ros.runtime.online_change import SwapReport
 from ladder_ros.runtime.preflight import Preflight, Verdict
-from ladder_ros.runtime.quiet import frozen_heap, giving_way
+from ladder_ros.runtime.quiet import giving_way, QUIET
 from ladder_ros.runtime.recorder import RecordSummary, TraceRecorder
 from ladder_ros.runtime.replay import read_trace, replay_trace, ReplayResult
 from ladder_ros.runtime.retention import Retention
@@ -222,7 +222,7 @@ class Session:
         self._is_real = isinstance(self._controller.clock, MonotonicClock)
         self._background = background
         self._trace: TraceRecorder | None = None
-        self._has_frozen = False
+        self._is_quiet = False
         self._retention: Retention | None = None
         if retain_path is not None:
             self._retention = Retention(
@@ -272,7 +272,7 @@ class Session:
 
         Not while a program runs: see :meth:`load`.
         """
-        loaded = compile_file(path, backend)
+        loaded = self.prepare(path, backend)
         self._download(loaded)
         return loaded
 
@@ -288,7 +288,9 @@ class Session:
         before = self._desk.loaded
         if backend is None:
             backend = before.backend if before else DEFAULT_BACKEND
-        if not self._background or self.state is not ControllerState.RUNNING:
+        # What is compiled here leaves much behind, which is freed in one go when it is replaced.
+        if not self._background or not (
+                self._is_real or self.state is ControllerState.RUNNING):
             return compile_file(path, backend)
         if openplc_folder(os.fspath(path)) is not None:
             return compile_file(path, backend)
@@ -331,8 +333,6 @@ class Session:
             change = self._desk.download(loaded)
             if self._retention is not None:
                 self._retention.restore(loaded.executable)
-        if self._background and self._is_real:
-            COMPILER.start()
         return change
 
     # Online change in four words
@@ -438,9 +438,9 @@ class Session:
         """Start scanning afresh; inputs and forces stay, and retained values unless cold."""
         if self._retention is not None:
             self._retention.start()
-        if self._is_real and not self._has_frozen:
-            self._has_frozen = True
-            frozen_heap.hold()
+        if self._is_real and not self._is_quiet:
+            self._is_quiet = True
+            QUIET.begin_scans()
         found = start_kind(kind, StartKind.WARM, StartKind.COLD)
         self._controller.start(cold=found is StartKind.COLD)
 
@@ -469,9 +469,9 @@ class Session:
         self._controller.stop()
         if self._retention is not None:
             self._retention.close()
-        if self._has_frozen:
-            self._has_frozen = False
-            frozen_heap.release()
+        if self._is_quiet:
+            self._is_quiet = False
+            QUIET.end_scans()
 
     def __enter__(self) -> Session:
         return self

@@ -20,6 +20,8 @@ def _value(context: LaunchContext, name: str) -> str:
 def _plc_node(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     """Return the node; an argument that is left empty leaves the parameter file its say."""
     settings = {'use_sim_time': _value(context, 'use_sim_time').lower() in ('true', '1')}
+    if _value(context, 'autostart'):
+        settings['autostart'] = _value(context, 'autostart').lower() in ('true', '1')
     if _value(context, 'program'):
         settings['program'] = _value(context, 'program')
     params_file = _value(context, 'params_file')
@@ -46,5 +48,8 @@ def generate_launch_description() -> LaunchDescription:
         DeclareLaunchArgument(
             'use_sim_time', default_value='false', choices=['true', 'false'],
             description='Whether scans step with /clock'),
+        DeclareLaunchArgument(
+            'autostart', default_value='', choices=['', 'true', 'false'],
+            description='false: a lifecycle manager configures and activates the node'),
         OpaqueFunction(function=_plc_node),
     ])

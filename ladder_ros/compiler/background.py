@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
-import gc
 import hashlib
 import marshal
 import os
@@ -66,7 +65,8 @@ class Code(Mapping[str, Scan]):
         return len(self._entries)
 
     def __del__(self) -> None:
-        self._names.clear()
+        while self._names:  # one by one, so that others have their turn
+            self._names.popitem()
 
 
 class _Entry:
@@ -132,7 +132,7 @@ class CompilerProcess:
         if backend not in BACKENDS:
             return _compile_here(source)
         try:
-            with self._turn, self._bounded(timeout, file) as process, _without_collections():
+            with self._turn, self._bounded(timeout, file) as process:
                 found = self._compile(process, key.hexdigest(), source)
         except (_Gone, OSError):
             found = None
@@ -144,7 +144,7 @@ class CompilerProcess:
     ) -> Mapping[str, Scan]:
         """Build another variant of a program that was compiled."""
         try:
-            with self._turn, self._bounded(timeout, source[1]) as process, _without_collections():
+            with self._turn, self._bounded(timeout, source[1]) as process:
                 for _ in range(2):
                     self._ask(process, ('variant', key, variant))
                     word, _ = _load(process)
@@ -225,18 +225,6 @@ class CompilerProcess:
                 with suppress(OSError):  # about what it was to be sent
                     stream.close()
         process.wait()
-
-
-@contextmanager
-def _without_collections() -> Iterator[None]:
-    """Collect no garbage meanwhile: many objects are made here, and none of them is any."""
-    collects = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if collects:
-            gc.enable()
 
 
 def _compile_here(source: tuple[bytes, str, str, str]) -> Compilation:

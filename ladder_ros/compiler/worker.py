@@ -28,7 +28,7 @@ from ladder_ros.source.read_any import parse_any
 LENGTH = struct.Struct('!I')
 PART = 64
 """Slots or components in a part."""
-_NICE = 10
+_NICE = 19
 _KEPT = 4
 
 

@@ -82,6 +82,7 @@ class ChangeDesk:
                 return self.download(loaded)
             if is_same(before, loaded):
                 return self._leave(before, loaded)
+            del before  # else the last reference to it would be this one
             self._expect(loaded)
             self._controller.swap(loaded.executable)
             self._tidy()
@@ -205,7 +206,8 @@ class ChangeDesk:
         pile: list[Sequence[object]] = []
         for key in [key for key in self._known if key not in needed]:
             executable = self._known.pop(key).executable
-            pile += [executable.slots, executable.components]
+            pile += [executable.slots, executable.components, executable.rungs,
+                     tuple(executable.by_path)]
             del executable
         with giving_way(self._controller.interval):
             free_slowly(pile)
