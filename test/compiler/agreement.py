@@ -34,9 +34,10 @@ class Machine:
 
     def __init__(
         self, program: Program, backend: str = 'python', *, observed: bool = False,
-        forced: Mapping[str, Value] | None = None,
+        forced: Mapping[str, Value] | None = None, compiled: Executable | None = None,
     ) -> None:
-        self.executable = executable(program, backend)
+        """Compile the program, unless it is given ``compiled``."""
+        self.executable = compiled or executable(program, backend)
         self.label = f'{backend}{" observed" if observed else ""}'
         self.state: State = self.executable.initial_state()
         held = {self.index(name): value for name, value in (forced or {}).items()}

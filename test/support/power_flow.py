@@ -542,8 +542,8 @@ class Reference:
         inner = Frame(
             pou=composite, prefix=prefix, place=place,
             bound=self._bind(composite, instance, rung, frame),
-            types={v.name.casefold(): v.type
-                   for v in (*composite.parameters, *composite.variables)})
+            types={p.name.casefold(): p.type for p in composite.parameters}
+            | {v.name.casefold(): v.type for v in composite.variables})
         reached = [self._evaluate(r, inner, power, now) for r in composite.rungs]
         return any(reached) if composite.call is CallKind.INLINE else True
 

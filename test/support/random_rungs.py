@@ -572,7 +572,8 @@ def _composite(rng: Random, index: int, known: list[Composite], wishes: Wishes) 
         Variable(name='number', type=INT, initial=1),
     )
     names = Names(readable={}, writable={}, composites=list(known))
-    for noun in (*parameters, *variables):
+    declared: list[Parameter | Variable] = [*parameters, *variables]
+    for noun in declared:
         names.readable.setdefault(noun.type, []).append(noun.name)
         if not isinstance(noun, Parameter) or noun.direction is not Direction.INPUT:
             names.writable.setdefault(noun.type, []).append(noun.name)

@@ -1,0 +1,133 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Large programs work, or are refused at once: compiled, printed, read back, run and observed.
+
+How long that takes is measured in benchmarks/compile_time.py; here the test's own time limit stops
+what is exponential, and a RecursionError fails what is recursive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+import re
+
+import pytest
+
+from compiler.agreement import assert_same, executable, Machine
+from compiler.large import bridges, mesh, nested, SHAPES, stages_of_two
+from ladder_ros.compiler.dump import dump_stage, STAGES
+from ladder_ros.compiler.il_text import parse_il, print_il
+from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
+from ladder_ros.diagnostics import LadderError
+from ladder_ros.drawing.rung_text import draw_program
+from ladder_ros.model.program import CallKind, Program
+from ladder_ros.source.model_to_xml import write_program
+from ladder_ros.source.xml_to_model import parse_program
+
+INPUTS = [(False, False), (True, False), (False, True), (True, True)]
+
+
+@pytest.fixture(params=SHAPES, ids=lambda name: str(name).replace(' ', '_'), scope='module')
+def large(request: pytest.FixtureRequest) -> Program:
+    make, size = SHAPES[request.param]
+    return make(size)
+
+
+def test_large_program_when_run_then_backends_agree(large: Program) -> None:
+    compiled = {backend: executable(large, backend) for backend in BACKENDS}
+    for observed in (False, True):
+        machines = [Machine(large, backend, observed=observed, compiled=compiled[backend])
+                    for backend in BACKENDS]
+        for a, b in INPUTS:
+            first, second = (machine.scan(a=a, b=b) for machine in machines)
+            assert_same(first.variables(), second.variables(), f'a={a} b={b}')
+            if observed:
+                assert first.power == second.power
+
+
+def test_large_program_when_dumped_then_every_stage_prints_and_il_reads_back(
+    large: Program,
+) -> None:
+    for stage in STAGES:
+        text = dump_stage(large, stage)
+        assert text
+        if stage == 'il':
+            assert print_il(parse_il(text)) == text
+
+
+@pytest.mark.parametrize(('make', 'size', 'expected'), [
+    (stages_of_two, 500, [False, True, True, True]), (mesh, 40, [False, True, False, True]),
+])
+def test_large_program_when_run_then_power_finds_its_way(
+    make: Callable[[int], Program], size: int, expected: list[bool],
+) -> None:
+    """Each stage of two reads a and b; so does each column of the mesh but its last row's end."""
+    for backend in BACKENDS:
+        machine = Machine(make(size), backend)
+        assert [machine.scan(a=a, b=b)['k'] for a, b in INPUTS] == expected
+
+
+def test_bridges_when_compiled_then_are_not_series_parallel() -> None:
+    """Else they would not be what the cost of bridges is measured on."""
+    text = dump_stage(bridges(40), 'il')
+    assert len(set(re.findall(r'%T\d+', text))) > 500
+
+
+def test_bridges_when_all_contacts_are_closed_then_power_passes() -> None:
+    for backend in BACKENDS:
+        machine = Machine(bridges(40), backend)
+        assert machine.scan(a=False, b=False)['k'] is False
+        assert machine.scan(a=True, b=True)['k'] is True
+
+
+@pytest.mark.parametrize('call', CallKind)
+@pytest.mark.parametrize('levels', [24, 40, 2000])
+def test_composites_when_they_double_at_each_level_then_are_refused(
+    call: CallKind, levels: int,
+) -> None:
+    with pytest.raises(LadderError) as caught:
+        compile_program(nested(levels, call, 2))
+    assert {d.code for d in caught.value.diagnostics} == {'L0401'}
+
+
+@pytest.mark.parametrize('call', CallKind)
+def test_composites_when_nested_100_deep_then_run(call: CallKind) -> None:
+    program = nested(99, call)
+    for backend in BACKENDS:
+        for observed in (False, True):
+            machine = Machine(program, backend, observed=observed)
+            machine.scan()
+            depth = max(path.count('.') for path in machine.variables())
+            assert depth == 99
+    for stage in STAGES:
+        assert dump_stage(program, stage)
+
+
+@pytest.mark.parametrize('call', CallKind)
+@pytest.mark.parametrize('levels', [150, 3000])
+def test_composites_when_nested_too_deep_then_are_refused(call: CallKind, levels: int) -> None:
+    with pytest.raises(LadderError) as caught:
+        compile_program(nested(levels, call))
+    assert {d.code for d in caught.value.diagnostics} == {'L0401'}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('call', CallKind)
+def test_composites_when_they_are_just_small_enough_then_compile(call: CallKind) -> None:
+    levels = 1
+    while not any(d.code == 'L0401' for d in check_program(nested(levels + 1, call, 2))):
+        levels += 1
+        if levels == 13:
+            break
+    machine = Machine(nested(levels, call, 2))
+    machine.scan()
+    assert len(machine.variables()) > 2 ** (levels - 1)
+
+
+@pytest.mark.parametrize('name', ['nesting', 'bridges', 'stages of two'])
+def test_large_program_when_written_and_read_then_is_the_same_drawing(name: str) -> None:
+    make, size = SHAPES[name]
+    program = make(size)
+    again = parse_program(write_program(program).encode())
+    assert dump_stage(again, 'il') == dump_stage(program, 'il')
+    assert draw_program(make(min(size, 60)))
