@@ -203,7 +203,7 @@ def test_node_page_when_its_table_of_parameters_is_read_then_it_has_every_parame
     assert list(listed) == [rule.name for rule in RULES]
     for rule in RULES:
         _, kind, default, changes, _ = listed[rule.name]
-        assert kind == {str: 'string', float: 'number', bool: 'boolean',
+        assert kind == {str: 'string', float: 'number', bool: 'boolean', int: 'integer',
                         list: 'list of strings'}[rule.kind]
         assert changes == ('no' if rule.read_only else 'yes')
         if rule.default not in ('', []):

@@ -31,6 +31,7 @@ from ladder_ros.ros.reasons import reason_of
 from ladder_ros.ros.services import serve
 from ladder_ros.ros.sim_clock import RosTimeClock
 from ladder_ros.ros.status import (
+    ASKED_FOR,
     ChangePublisher,
     diagnostic_tasks,
     io_counts,
@@ -66,7 +67,8 @@ class Plc:
         self._cell = self._new_cell()
         self._wanted: Path | None = None
         self._strict = True
-        self._prepared: Prepared | None = None
+        self._checked: Prepared | None = None
+        self._ready: Prepared | None = None
         self._autostart = settings.autostart
         self._record_at_start = settings.values['record_file']
         self._last_error = ''
@@ -122,11 +124,9 @@ class Plc:
 
     def close(self) -> None:
         """Stop scanning and leave the safe values of the outputs behind."""
-        if self._lifecycle.phase is not Phase.FINALIZED:
-            self._cell.session.stop()
-            self._cell.bindings.publish_safe()
-            self._status.publish()
-            self._cell.close()
+        self._cell.stop()
+        self._status.publish()
+        self._cell.close()
 
     def _new_cell(self) -> Cell:
         session = Session(
@@ -148,7 +148,7 @@ class Plc:
 
     def _configure(self) -> None:
         """Load the program."""
-        prepared, self._prepared = self._prepared, None
+        prepared, self._ready = self._ready, None
         if prepared is None:
             if self._wanted is None:
                 raise no_program('configuring')
@@ -183,8 +183,7 @@ class Plc:
 
     def _shutdown(self) -> None:
         """Stop for good."""
-        self._wanted = self._cell.path or self._wanted
-        self._cell.close()
+        self._renew_cell()
 
     def _renew_cell(self) -> None:
         self._wanted = self._cell.path or self._wanted
@@ -336,23 +335,21 @@ class Plc:
                 'L0508', Location(), request='changing the program',
                 state='finalized', expected='start the node again')
         path = next_program(name, self._folders, self._cell.path or self._wanted)
-        self._prepared = self._cell.prepare(path)
+        self._checked = self._cell.prepare(path)
 
     def _change_program(self) -> None:
-        prepared = self._prepared
+        prepared, self._checked = self._checked, None
         if prepared is None:
             return
         if self._lifecycle.phase is not Phase.UNCONFIGURED:
-            self._prepared = None
             self._cell.install(prepared)
             self._loaded(prepared)
         else:
             self._wanted = prepared.path
-            if self._autostart:
+            if self._autostart:  # otherwise the file is read again when the node is configured
+                self._ready = prepared
                 self._lifecycle.request('configure')
                 self._lifecycle.request('activate')
-            else:
-                self._prepared = None  # the file is read again when the node is configured
         self._status.publish()
 
     def _check_candidate(self, name: str) -> None:
@@ -440,8 +437,8 @@ class Plc:
         if report['kind'] == 'untest':
             self._cell.settle()
             self._cell.forget_candidate()
-            self._log.warning(
-                f'the test has ended ({change.reason}): {change.loaded.path} runs again')
+            log = self._log.info if change.reason == ASKED_FOR else self._log.warning
+            log(f'the test has ended ({change.reason}): {change.loaded.path} runs again')
         if change.report is not None and change.report.forces_dropped:
             names = ', '.join(change.report.forces_dropped)
             self._log.warning(f'the program has no variable for these forces: {names}')

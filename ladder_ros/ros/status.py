@@ -27,6 +27,8 @@ LOOK = 0.1
 """How often it is looked whether something has changed, in seconds."""
 DIAGNOSTICS = 1.0
 SHADOW = 0.5
+ASKED_FOR = 'asked for'
+"""The reason of an untest that somebody wanted."""
 CHANGING = ('scans', 'skipped', 'execution_ms', 'max_lateness_ms', 'io', 'tasks', 'share',
             'shadow', 'retain')
 CHANGING_PARTS = (('change', 'test_left_ms'),)
@@ -238,7 +240,7 @@ def _change(look: _Look) -> DiagnosticStatus:
     last = look.state.get('last_change') or {}
     kind = last.get('kind') or ''
     in_test = change.get('state') == 'test'
-    by_itself = kind == 'untest' and bool(last.get('reason'))
+    by_itself = kind == 'untest' and last.get('reason') != ASKED_FOR
     return look.task(
         'change', WARN if in_test or by_itself else OK,
         'a program is on test' if in_test

@@ -55,7 +55,7 @@ def test_fault_when_the_program_fails_then_safe_values_and_the_reason_are_publis
     executable = trap.executable()
     io_map = resolve_io(
         executable, plc._settings.io, lambda topic: topic.replace('~', 'plc_node'), strict=True)
-    plc._prepared = Prepared(path=Path('trap'), io_map=io_map, loaded=Loaded(
+    plc._ready = Prepared(path=Path('trap'), io_map=io_map, loaded=Loaded(
         path='trap', name='trap', source_hash='0', executable=executable))
     plc.start()
     with connected(namespace) as client:

@@ -80,10 +80,11 @@ def test_start_when_the_period_is_given_then_it_counts_for_the_program(
 
 @pytest.mark.parametrize('name', ['plc_example.yaml', 'elevator_3_floor.yaml'])
 def test_start_when_with_a_shipped_configuration_then_it_runs_without_a_warning(
-        ros_domain_id: int, process: Any, name: str) -> None:
+        ros_domain_id: int, process: Any, name: str, tmp_path: Path) -> None:
     namespace = new_namespace()
     child = process('-m', 'ladder_ros.ros.node', '--ros-args', '-r', f'__ns:={namespace}',
-                    '--params-file', str(find_resource('config', name)))
+                    '--params-file', str(find_resource('config', name)),
+                    env={'ROS_HOME': str(tmp_path)})
     with connected(namespace) as client:
         client.wait_state(state='running')
     assert 'WARN' not in child.output

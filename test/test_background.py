@@ -1,0 +1,172 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Compiling in another process: the same programs, and whatever may happen to that process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+import threading
+import time
+import weakref
+
+import pytest
+
+from ladder_ros.compiler.background import CompilerProcess
+from ladder_ros.compiler.pipeline import compile_program
+from ladder_ros.diagnostics import LadderError
+from ladder_ros.executable import Executable, Variant
+from ladder_ros.runtime.scan_cycle import ScanCycle
+from ladder_ros.session import Session
+from ladder_ros.source.xml_to_model import parse_program
+
+PROGRAMS = sorted((Path(__file__).resolve().parents[1] / 'programs').glob('*.xml'))
+PATIENCE = 30.0
+
+
+@pytest.fixture(scope='module')
+def compiler() -> Iterator[CompilerProcess]:
+    compiler = CompilerProcess()
+    yield compiler
+    compiler.close()
+
+
+PLAIN = Variant()
+
+
+def states(executable: Executable, variant: Variant = PLAIN) -> list[list[object]]:
+    """Return the states after a few scans with the inputs turned on one after the other."""
+    cycle = ScanCycle(executable)
+    if variant.observed:
+        cycle.observe(True)
+    for index in variant.forced:
+        cycle.force(index, executable.slots[index].initial)
+    found: list[list[object]] = []
+    for number, slot in enumerate(executable.io()):
+        if slot.type.value == 'BOOL':
+            cycle.write(slot.index, True)
+        cycle.scan(number * 100_000_000)
+        found.append([*cycle.state, *(cycle.power or ())])
+    return found
+
+
+@pytest.mark.parametrize('path', PROGRAMS, ids=lambda path: path.stem)
+def test_compile_when_done_elsewhere_then_the_program_is_the_same(
+    path: Path, compiler: CompilerProcess,
+) -> None:
+    data = path.read_bytes()
+    far = compiler.compile(data, str(path), backend='python')
+    near = compile_program(parse_program(data, str(path)), source_hash=far.executable.source_hash)
+    assert far.diagnostics == near.diagnostics
+    for name in ('name', 'backend', 'slots', 'components', 'entries', 'routines', 'tasks',
+                 'rungs', 'by_path'):
+        assert getattr(far.executable, name) == getattr(near.executable, name)
+    forced = frozenset({slot.index for slot in far.executable.io()[:2]})
+    for variant in (Variant(), Variant(observed=True), Variant(forced=forced)):
+        assert states(far.executable, variant) == states(near.executable, variant)
+
+
+def test_compile_when_the_program_is_wrong_then_every_error_comes_back(
+    compiler: CompilerProcess,
+) -> None:
+    text = (b'<ladder version="1" name="p"><body name="main"><rung id="1" width="2"/></body>'
+            b'</ladder>')
+    with pytest.raises(LadderError) as caught:
+        compiler.compile(text, 'p.xml', backend='python')
+    with pytest.raises(LadderError) as expected:
+        compile_program(parse_program(text, 'p.xml'))
+    assert caught.value.diagnostics == expected.value.diagnostics
+
+
+def test_compile_when_a_backend_s_code_cannot_be_sent_then_it_is_compiled_here(
+    compiler: CompilerProcess,
+) -> None:
+    path = PROGRAMS[0]
+    far = compiler.compile(path.read_bytes(), str(path), backend='interpreter')
+    assert far.executable.backend == 'interpreter'
+    assert states(far.executable)
+
+
+def test_build_when_the_process_was_killed_then_another_variant_is_built_all_the_same() -> None:
+    compiler = CompilerProcess()
+    path = PROGRAMS[0]
+    try:
+        executable = compiler.compile(path.read_bytes(), str(path), backend='python').executable
+        assert compiler._process is not None
+        compiler._process.kill()
+        compiler._process.wait(PATIENCE)
+        assert states(executable, Variant(observed=True))
+    finally:
+        compiler.close()
+
+
+def test_compile_when_the_process_dies_meanwhile_then_it_is_compiled_here() -> None:
+    compiler = CompilerProcess()
+    path = PROGRAMS[0]
+    try:
+        compiler.start()
+        assert compiler._process is not None
+        process = compiler._process
+        killer = threading.Thread(target=process.kill)
+        killer.start()
+        compilation = compiler.compile(path.read_bytes(), str(path), backend='python')
+        killer.join()
+        assert states(compilation.executable)
+    finally:
+        compiler.close()
+
+
+def test_compile_when_it_takes_too_long_then_l0521() -> None:
+    compiler = CompilerProcess()
+    rungs = ''.join(
+        f'<rung id="{n}" width="2"><contact id="c" x="0" y="0" operand="a"/>'
+        f'<coil id="k" x="1" y="0" operand="b"/></rung>' for n in range(5000))
+    text = ('<ladder version="1" name="p"><variables><variable name="a" type="BOOL"/>'
+            f'<variable name="b" type="BOOL"/></variables><body name="m">{rungs}</body></ladder>')
+    try:
+        begun = time.monotonic()
+        with pytest.raises(LadderError) as caught:
+            compiler.compile(text.encode(), 'p.xml', backend='python', timeout=0.2)
+        assert caught.value.diagnostics[0].code == 'L0521'
+        assert time.monotonic() - begun < PATIENCE
+    finally:
+        compiler.close()
+
+
+def test_executable_when_nobody_has_it_then_its_code_is_freed_without_a_collection(
+    compiler: CompilerProcess,
+) -> None:
+    import gc
+    path = PROGRAMS[0]
+    gc.collect()
+    gc.disable()
+    try:
+        executable = compiler.compile(path.read_bytes(), str(path), backend='python').executable
+        entry = executable.build(Variant())[executable.entries[-1].name]
+        function = weakref.ref(entry._function)  # type: ignore[attr-defined]
+        del executable
+        assert function() is not None  # still wanted
+        del entry
+        assert function() is None
+    finally:
+        gc.enable()
+
+
+def test_reload_when_a_program_runs_then_no_scan_is_lost_and_state_is_kept(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / 'demo.xml'
+    text = PROGRAMS[0].read_text(encoding='utf-8')
+    path.write_text(text, encoding='utf-8')
+    numbers: list[int] = []
+    with Session(interval_ns=5_000_000) as session:
+        session.open(path)
+        session.add_listener(lambda result: numbers.append(result.number))
+        session.start()
+        for turn in range(4):
+            path.write_text(text.replace('</ladder>', '<!-- x -->' * turn + '</ladder>'),
+                            encoding='utf-8')
+            session.reload()
+        session.stop()
+        assert numbers == list(range(session.statistics.scans))
+        assert len(session.history()) == 5
