@@ -182,6 +182,8 @@ _RUNNING = (
     _error('L0508', '{request} is not possible now: the controller is {state}', '{expected}'),
     _error('L0509', 'the program has no body or composite {name}', 'it has {known}'),
     _error('L0510', 'programs cannot be written as {form}', 'available here: {known}'),
+    _error('L0511', '{what} cannot be written as {form}',
+           'change that part of the program, or export it to another form'),
 )
 
 _ROS = (
