@@ -184,6 +184,8 @@ _RUNNING = (
     _error('L0508', '{request} is not possible now: the controller is {state}', '{expected}'),
     _error('L0509', 'the program has no body or composite {name}', 'it has {known}'),
     _error('L0510', 'programs cannot be written as {form}', 'available here: {known}'),
+    _error('L0511', '{what} cannot be written as {form}',
+           'change that part of the program, or export it to another form'),
     _error('L0520', '{request} is not possible: {reason}', '{expected}'),
     _error('L0521', 'the program was not compiled: {reason}', '{expected}'),
     _warning('L0522', '{name} was nowhere: the running program has no {places}',

@@ -44,8 +44,9 @@ def with_drawings(program: Program) -> Program:
     stages = analyse(program)
     if has_errors(stages.diagnostics):
         raise LadderError(stages.diagnostics)
+    orders = {pou_key(pou): rung.order for pou in pous for rung in pou.rungs}
     drawn = {
-        key: tuple(draw_forest(forest) for forest in forests)
+        key: tuple(replace(draw_forest(forest), order=orders[key]) for forest in forests)
         for key, forests in build_trees(program, stages, inline=True).items()}
     return replace(
         program,

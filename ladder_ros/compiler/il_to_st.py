@@ -17,6 +17,7 @@ from ladder_ros.compiler.st_names import interface, literal, Names
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
+from ladder_ros.model.derived import elementary
 from ladder_ros.model.program import CallKind, Composite, Direction
 from ladder_ros.model.types import DataType, default_value
 
@@ -278,19 +279,27 @@ class StEmitter:
         for pin, operand in call.inputs:
             if op is Op.RUN and not _is_inout(composite, pin):
                 continue
-            parameter = own.own(pin)
+            formal = own.own(pin)
             by_value = op is Op.EXE and not self.by_reference(composite, pin)
             if by_value and not isinstance(operand, Element):
-                arguments.append(f'{parameter} := {self.read(operand).text}')
+                arguments.append(f'{formal} := {self.read(operand).text}')
                 continue
             if isinstance(operand, Ref) and not self._is_field(operand):
-                arguments.append(f'{parameter} := {self.names.place(operand)}')
+                arguments.append(f'{formal} := {self.names.place(operand)}')
                 continue
             copy = self.names.temporary(operand.type)
             before.append((operand, copy))
             if isinstance(operand, Element):
                 after.append((operand, copy))
-            arguments.append(f'{parameter} := {copy}')
+            arguments.append(f'{formal} := {copy}')
+        bound = {pin.casefold() for pin, _ in call.inputs}
+        for parameter in composite.parameters if op is Op.RUN else ():
+            if parameter.direction is Direction.INOUT and parameter.name.casefold() not in bound:
+                scalar = elementary(parameter.type)
+                if scalar is None:
+                    raise LadderError.of('L0511', parameter.location, form='st', what=(
+                        f'{composite.name} with its parameter {parameter.name} left open'))
+                arguments.append(f'{own.own(parameter.name)} := {self.names.temporary(scalar)}')
         for operand, copy in before:
             self.put(f'{copy} := {self.read(operand).text};')
         text = f'{name}({", ".join(arguments)});'

@@ -181,7 +181,7 @@ class _Resolver:
             kind, composite = CATALOGUE.get(type_.upper()), self.composites.get(type_.casefold())
             if composite is not None:
                 instances[name.casefold()] = name, composite
-            elif kind is not None:
+            elif kind is not None and not kind.is_function:
                 blocks[name.casefold()] = name, kind
         for rung in rungs:
             for component in rung.components:
@@ -190,6 +190,8 @@ class _Resolver:
                 type_ = component.type if isinstance(component, Block) else component.composite
                 key = component.instance.casefold()
                 if rung.wires is not None and (key in blocks or key in instances):
+                    known = blocks[key][1].name if key in blocks else instances[key][1].name
+                    self._declared_as(component, type_, known)
                     continue
                 if key in first:
                     self._again(component, type_, *first[key])
@@ -198,11 +200,17 @@ class _Resolver:
                 first[key] = component.location, type_
                 kind = CATALOGUE.get(type_.upper())
                 composite = self.composites.get(type_.casefold())
-                if isinstance(component, Block) and kind is not None:
+                if isinstance(component, Block) and kind is not None and not kind.is_function:
                     blocks[key] = component.instance, kind
                 elif isinstance(component, Instance) and composite is not None:
                     instances[key] = component.instance, composite
         return Scope(pou=pou, symbols=symbols, blocks=blocks, instances=instances)
+
+    def _declared_as(self, component: Block | Instance, type_: str, known: str) -> None:
+        if known.casefold() != type_.casefold():
+            self.found.append(problem(
+                'L0213', component.location, name=component.instance, actual=known,
+                expected=type_))
 
     def _again(
         self, component: Block | Instance, type_: str, place: Location, before: str,

@@ -41,7 +41,7 @@ from ladder_ros.model.program import (
 )
 from ladder_ros.model.types import DataType, format_time, Value
 
-_RELEASED = ('TON', 'TOF', 'TP')
+RELEASED = ('TON', 'TOF', 'TP')
 _DEFAULT_INTERVAL = 10_000_000
 
 
@@ -127,7 +127,8 @@ class StWriter:
         """Return the names and statements of a composite's FUNCTION_BLOCK."""
         own, enable = interface(composite)
         names = Names(scope=self.stages.symbols.scopes[pou_key(composite)], identifiers=own,
-                      types=self.types, scopes=self.stages.symbols.scopes)
+                      types=self.types, scopes=self.stages.symbols.scopes,
+                      definitions=self.composites)
         names.declare_instances()
         emitter = self.emitter(names, composite.name.casefold() in self.aliased)
         if composite.call is CallKind.FUNCTION:
@@ -155,7 +156,7 @@ class StWriter:
                     continue
                 if instruction.op is Op.EXE:
                     emitter.release(call)
-                elif instruction.op is Op.CAL and call.name in _RELEASED:
+                elif instruction.op is Op.CAL and call.name in RELEASED:
                     name = names.instance(call.instance, call.name, None)
                     # The first call sees IN end, the second and third that no time is left.
                     emitter.lines += [f'  {name}(IN := FALSE, PT := T#0s);'] * 3
@@ -225,7 +226,8 @@ class StWriter:
         for variable in self.program.variables:
             own.own(variable.name)
         names = Names(scope=scope, identifiers=own, types=self.types,
-                      scopes=self.stages.symbols.scopes)
+                      scopes=self.stages.symbols.scopes,
+                      definitions=self.composites)
         names.declare_instances()
         emitter = self.emitter(names, aliased=False)
         for body in bodies:
@@ -273,7 +275,8 @@ class StWriter:
         sections: dict[str, list[str]] = {}
         names = Names(scope=self.stages.symbols.scopes[pou_key(self.program.bodies[0])],
                       identifiers=self.globals, types=self.types,
-                      scopes=self.stages.symbols.scopes)
+                      scopes=self.stages.symbols.scopes,
+                      definitions=self.composites)
         for variable in self.program.variables:
             if variable.name.casefold() in shared:
                 section = _external(variable).replace('EXTERNAL', 'GLOBAL')

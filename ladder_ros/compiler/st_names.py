@@ -17,7 +17,20 @@ from ladder_ros.model.derived import leaves
 from ladder_ros.model.program import CallKind, Composite
 from ladder_ros.model.types import DataType, default_value, format_literal, format_time, Value
 
-KEYWORDS = frozenset(['ABS', 'ACTION', 'AND', 'ANDN', 'ANY', 'ARRAY', 'AT', 'BEGIN', 'BOOL', 'BY', 'BYTE', 'CAL', 'CALC', 'CALCN', 'CASE', 'CD', 'CONFIGURATION', 'CONSTANT', 'CU', 'DATE', 'DATE_AND_TIME', 'DINT', 'DO', 'DT', 'DWORD', 'ELSE', 'ELSIF', 'EN', 'END', 'END_ACTION', 'END_CASE', 'END_CONFIGURATION', 'END_FOR', 'END_FUNCTION', 'END_FUNCTION_BLOCK', 'END_IF', 'END_PROGRAM', 'END_REPEAT', 'END_RESOURCE', 'END_STEP', 'END_STRUCT', 'END_TRANSITION', 'END_TYPE', 'END_VAR', 'END_WHILE', 'ENO', 'EQ', 'EXIT', 'EXPONENT_FUNCTION', 'F_EDGE', 'FALSE', 'FOR', 'FROM', 'FUNCTION', 'FUNCTION_BLOCK', 'GE', 'GT', 'IF', 'IN', 'INITIAL_STEP', 'INT', 'INTERVAL', 'JMP', 'JMPC', 'JMPCN', 'L', 'LD', 'LDN', 'LE', 'LINT', 'LREAL', 'LT', 'LWORD', 'MOD', 'NE', 'NON_RETAIN', 'NOT', 'OF', 'ON', 'OR', 'ORN', 'P', 'PRIORITY', 'PROGRAM', 'PT', 'PV', 'R', 'R_EDGE', 'R1', 'READ_ONLY', 'READ_WRITE', 'REAL', 'REPEAT', 'RESOURCE', 'RET', 'RETAIN', 'RETURN', 'RETC', 'RETCN', 'S', 'S1', 'SINGLE', 'SINT', 'ST', 'STEP', 'STN', 'STRING', 'STRUCT', 'TASK', 'THEN', 'TIME', 'TIME_OF_DAY', 'TO', 'TOD', 'TRANSITION', 'TRUE', 'TYPE', 'UDINT', 'UINT', 'ULINT', 'UNTIL', 'USINT', 'VAR', 'VAR_ACCESS', 'VAR_CONFIG', 'VAR_EXTERNAL', 'VAR_GLOBAL', 'VAR_IN_OUT', 'VAR_INPUT', 'VAR_OUTPUT', 'VAR_TEMP', 'WHILE', 'WITH', 'WORD', 'WSTRING', 'XOR', 'XORN', 'CLK'])
+_WORDS = '''
+    ABS ACTION AND ANDN ANY ARRAY AT BEGIN BOOL BY BYTE CAL CALC CALCN CASE CD CONFIGURATION
+    CONSTANT CU DATE DATE_AND_TIME DINT DO DT DWORD ELSE ELSIF EN END END_ACTION END_CASE
+    END_CONFIGURATION END_FOR END_FUNCTION END_FUNCTION_BLOCK END_IF END_PROGRAM END_REPEAT
+    END_RESOURCE END_STEP END_STRUCT END_TRANSITION END_TYPE END_VAR END_WHILE ENO EQ EXIT
+    EXPONENT_FUNCTION F_EDGE FALSE FOR FROM FUNCTION FUNCTION_BLOCK GE GT IF IN INITIAL_STEP
+    INT INTERVAL JMP JMPC JMPCN L LD LDN LE LINT LREAL LT LWORD MOD NE NON_RETAIN NOT OF ON OR
+    ORN P PRIORITY PROGRAM PT PV R R_EDGE R1 READ_ONLY READ_WRITE REAL REPEAT RESOURCE RET
+    RETAIN RETURN RETC RETCN S S1 SINGLE SINT ST STEP STN STRING STRUCT TASK THEN TIME
+    TIME_OF_DAY TO TOD TRANSITION TRUE TYPE UDINT UINT ULINT UNTIL USINT VAR VAR_ACCESS
+    VAR_CONFIG VAR_EXTERNAL VAR_GLOBAL VAR_IN_OUT VAR_INPUT VAR_OUTPUT VAR_TEMP WHILE WITH
+    WORD WSTRING XOR XORN CLK
+'''
+KEYWORDS = frozenset(re.findall(r'\w+', _WORDS))
 """Words that no identifier may be; pins of the standard blocks among them, to be safe."""
 
 
@@ -64,6 +77,7 @@ class Names:
 
     scope: Scope
     scopes: Mapping[str, Scope]
+    definitions: Mapping[str, Composite]
     identifiers: Identifiers
     types: Identifiers
     prefix: str = ''
@@ -159,8 +173,8 @@ def interface(composite: Composite) -> tuple[Identifiers, str]:
     for name in composite.externals:
         if not is_address(name):
             own.own(name)
-    for noun in (*composite.parameters, *composite.variables):
-        own.own(noun.name)
+    for name in (*(p.name for p in composite.parameters), *(v.name for v in composite.variables)):
+        own.own(name)
     return own, own.fresh('ENABLE') if composite.call is CallKind.ENABLED else ''
 
 

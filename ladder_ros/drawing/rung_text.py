@@ -111,7 +111,7 @@ def draw_program(program: Program, pou: str | None = None, style: Style | None =
         widths = [rung_width(rung, composites, style) for rung in one.rungs]
         widest = max((width for width in widths if width <= MAX_ALIGNED), default=0)
         aligned = replace(style, width=max(style.width, widest))
-        parts.append(_pou_header(one, style.glyphs))
+        parts.append(_pou_header(one, style.glyphs, program.dialect != 'native'))
         parts += [draw_rung(rung, composites, aligned) for rung in one.rungs]
     return '\n\n'.join(parts) + '\n'
 
@@ -376,15 +376,17 @@ def _titled(title: str, specification: str, glyphs: Glyphs) -> str:
     return '\n'.join(lines)
 
 
-def _pou_header(pou: Pou, glyphs: Glyphs) -> str:
+def _pou_header(pou: Pou, glyphs: Glyphs, imported: bool = False) -> str:
+    order = f', order {pou.rungs[0].order.value}' if imported and pou.rungs else ''
     match pou:
         case Body():
             when = 'once at start' if pou.run is RunKind.ONCE else 'cyclic'
             task = f', task {pou.task}' if pou.task else ''
-            return _titled(f'body {pou.name} ({when}{task})', pou.comment, glyphs)
+            return _titled(f'body {pou.name} ({when}{task}{order})', pou.comment, glyphs)
         case Composite():
             category = f', {pou.category}' if pou.category else ''
-            title = f'composite {pou.name} ({pou.call.value}{category})'
+            holds = ', holds while EN is FALSE' if pou.call is CallKind.BLOCK else ''
+            title = f'composite {pou.name} ({pou.call.value}{holds}{order}{category})'
             return '\n'.join([_titled(title, pou.specification, glyphs),
                               *_interface(pou, glyphs)])
         case _:

@@ -28,7 +28,7 @@ from ladder_ros.cli.main import main
 
 ROOT = Path(__file__).resolve().parents[2]
 _FENCE = re.compile(r'^```([^\n`]*)\n(.*?)^```$', re.MULTILINE | re.DOTALL)
-_FILE_NAME = re.compile(r'`([\w-]+\.\w+)`(?:[^`\n]|\n(?!\n))*:\s*\Z')
+_FILE_NAME = re.compile(r'`([\w.-]+\.\w+)`(?:[^`\n]|\n(?!\n))*:\s*\Z')
 _LINK = re.compile(r'\]\(([^()\s]+)\)')
 
 

@@ -1,0 +1,336 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Graphs of a POU -> one drawing with wires, as PLCopen has them, evaluated in the same order.
+
+Where a contact would be read later than here, after something has written its variable, its power
+is kept in a variable of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+
+from ladder_ros.compiler.aov import Aov, reads_and_writes, SymbolVertex
+from ladder_ros.compiler.st_names import literal, Names
+from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
+from ladder_ros.compiler.wiring import Rail
+from ladder_ros.diagnostics import LadderError
+from ladder_ros.model.catalogue import CATALOGUE
+from ladder_ros.model.component import (
+    Block,
+    Coil,
+    Component,
+    Contact,
+    Instance,
+    InVariable,
+    OutVariable,
+    Placement,
+)
+from ladder_ros.model.program import Composite, Order, Port, Rung, Wire
+from ladder_ros.model.types import DataType
+
+_COLUMN, _ROW, _LEFT = 170, 50, 70
+_PIN = 20
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Called:
+    """How an enabled composite is called: the pin that takes the power, and its parameters.
+
+    ``references`` are the parameters (casefolded) that must be given a variable.
+    """
+
+    pin: str
+    references: frozenset[str]
+
+
+@dataclass(slots=True, kw_only=True)
+class WireMaker:
+    """Makes one drawing; ``aliased`` says that two names may mean one variable."""
+
+    names: Names
+    called: dict[str, Called]
+    aliased: bool = False
+    components: list[Component] = field(default_factory=list)
+    wires: list[Wire] = field(default_factory=list)
+    count: int = 0
+    row: int = 0
+    data: dict[str, Port] = field(default_factory=dict)
+
+    def rung(self, comment: str = '') -> Rung:
+        """Return the drawing of what was added."""
+        return Rung(id='1', width=0, components=tuple(self.components), wires=tuple(self.wires),
+                    order=Order.DOCUMENT, comment=comment)
+
+    def add(self, aov: Aov) -> None:
+        """Add the graph of a rung below what there is."""
+        network = _Network(maker=self, aov=aov)
+        network.run()
+
+    def new_id(self) -> str:
+        """Return the next local id."""
+        self.count += 1
+        return str(self.count)
+
+    def text(self, operand: Operand) -> str:
+        """Return an operand as a drawing writes it."""
+        if isinstance(operand, Literal):
+            return literal(operand.value, operand.type)
+        if isinstance(operand, Element):
+            raise LadderError.of('L0511', self.at, form='plcopen',
+                                 what=f'the element {operand.first} that is found at run time')
+        return self.names.place(operand)
+
+    @property
+    def at(self):  # type: ignore[no-untyped-def]
+        """Return where the last component comes from."""
+        return self.components[-1].location if self.components else None
+
+
+@dataclass(slots=True, kw_only=True)
+class _Network:
+    maker: WireMaker
+    aov: Aov
+    ports: dict[int, tuple[Port, ...]] = field(default_factory=dict)
+    """What gives the power that leaves a symbol by its main output."""
+    instead: dict[int, Port] = field(default_factory=dict)
+    column: dict[str, int] = field(default_factory=dict)
+    pending: dict[str, Contact] = field(default_factory=dict)
+    """Contacts that nothing has needed yet, by id."""
+
+    def run(self) -> None:
+        late = self.late_contacts()
+        for symbol in self.aov.symbols:
+            component = symbol.component
+            if isinstance(component, Contact):
+                self.contact(symbol, component, symbol.id in late)
+            elif isinstance(component, Coil):
+                self.coil(symbol, component)
+            elif isinstance(component, Block):
+                self.block(symbol, component)
+            elif isinstance(component, Instance):
+                self.instance(symbol, component)
+
+    # -- order ------------------------------------------------------------------------------
+
+    def late_contacts(self) -> set[int]:
+        """Return the contacts whose variable changes before a statement needs their power."""
+        symbols = self.aov.symbols
+        need: dict[int, int] = {}
+        for place, symbol in enumerate(symbols):
+            if not isinstance(symbol.component, Contact):
+                for source in self.needed(symbol.id):
+                    need.setdefault(source, place)
+        late = set()
+        for place, symbol in enumerate(symbols):
+            if not isinstance(symbol.component, Contact) or symbol.id not in need:
+                continue
+            read = {_root(o) for o in reads_and_writes(symbol)[0]}
+            for between in symbols[place + 1:need[symbol.id]]:
+                if isinstance(between.component, Contact):
+                    continue
+                written = {_root(o) for o in reads_and_writes(between)[1]}
+                if between.instance:
+                    written.add(between.instance.casefold())
+                hits = any(r == w or r.startswith(f'{w}.') for r in read for w in written)
+                if hits or self.maker.aliased:
+                    late.add(symbol.id)
+        return late
+
+    def needed(self, symbol: int) -> Iterable[int]:
+        """Yield the contacts that a statement needs, directly or through contacts."""
+        contacts = {s.id for s in self.aov.symbols if isinstance(s.component, Contact)}
+        coils = {s.id for s in self.aov.symbols if isinstance(s.component, Coil)}
+        passes = {s.id for s in self.aov.symbols if isinstance(s.component, Instance)}
+        waiting, seen = [symbol], {symbol}
+        while waiting:
+            taker = waiting.pop()
+            for arc in self.aov.arcs:
+                if arc.target != taker or arc.source in seen:
+                    continue
+                source = arc.source
+                seen.add(source)
+                if source in contacts:
+                    yield source
+                if source in contacts | coils | passes or source >= len(self.aov.symbols):
+                    waiting.append(source)
+
+    # -- power ------------------------------------------------------------------------------
+
+    def sources(self, taker: int, pin: str = '') -> tuple[Port, ...]:
+        """Return what gives power to a pin of a symbol."""
+        found: dict[Port, None] = {}
+        seen: set[int] = set()
+        waiting = [arc for arc in self.aov.arcs if arc.target == taker and arc.target_pin == pin]
+        rails = {v.id for v in self.aov.virtuals if v.rail is Rail.LEFT}
+        while waiting:
+            arc = waiting.pop(0)
+            if arc.source in rails:
+                found[Port()] = None
+            elif arc.source < len(self.aov.symbols):
+                if arc.source_pin:
+                    given = self.ports[arc.source]
+                    found[Port(component=given[0].component, pin=arc.source_pin)] = None
+                else:
+                    found.update(dict.fromkeys(self.ports[arc.source]))
+            elif arc.source not in seen:
+                seen.add(arc.source)
+                waiting += [a for a in self.aov.arcs if a.target == arc.source]
+        return tuple(found)
+
+    def connect(self, sources: Iterable[Port], target: Port) -> None:
+        for source in sources:
+            self.maker.wires.append(Wire(source=source, target=target))
+
+    def place(self, sources: Iterable[Port], *, width: int = 21, height: int = 15) -> Placement:
+        """Return a place on a line of its own, right of what feeds it."""
+        column = max((self.column.get(port.component, -1) for port in sources), default=-1) + 1
+        place = Placement(x=_LEFT + column * _COLUMN, y=self.maker.row + 20, width=width,
+                          height=height)
+        self.maker.row += max(_ROW, height + 20)
+        return place
+
+    def put(self, component: Component) -> None:
+        self.maker.components.append(component)
+        self.column[component.id] = (component.placement.x - _LEFT) // _COLUMN
+
+    # -- components -------------------------------------------------------------------------
+
+    def contact(self, symbol: SymbolVertex, component: Contact, is_late: bool) -> None:
+        assert symbol.resolved.operand is not None
+        sources = self.sources(symbol.id)
+        one = Contact(
+            id=self.maker.new_id(), placement=self.place(sources), kind=component.kind,
+            operand=self.maker.text(symbol.resolved.operand), comment=component.comment)
+        self.put(one)
+        self.connect(sources, Port(component=one.id))
+        self.ports[symbol.id] = (Port(component=one.id),)
+        if is_late:
+            kept = self.maker.names.temporary(DataType.BOOL)
+            self.statement_coil(self.ports[symbol.id], kept)
+            again = Contact(id=self.maker.new_id(), placement=self.place(()), operand=kept)
+            self.put(again)
+            self.connect([Port()], Port(component=again.id))
+            self.ports[symbol.id] = (Port(component=again.id),)
+
+    def statement_coil(self, sources: tuple[Port, ...], operand: str) -> None:
+        coil = Coil(id=self.maker.new_id(), placement=self.place(sources), operand=operand)
+        self.put(coil)
+        self.connect(sources, Port(component=coil.id))
+
+    def coil(self, symbol: SymbolVertex, component: Coil) -> None:
+        assert symbol.resolved.operand is not None
+        sources = self.sources(symbol.id)
+        one = Coil(
+            id=self.maker.new_id(), placement=self.place(sources), kind=component.kind,
+            operand=self.maker.text(symbol.resolved.operand), comment=component.comment)
+        self.put(one)
+        self.connect(sources, Port(component=one.id))
+        self.ports[symbol.id] = sources
+
+    def block(self, symbol: SymbolVertex, component: Block) -> None:
+        kind = CATALOGUE[symbol.resolved.block or component.type.upper()]
+        number = self.maker.new_id()
+        bound = {pin: operand for pin, operand in symbol.resolved.inputs}
+        power = {arc.target_pin for arc in self.aov.arcs if arc.target == symbol.id}
+        taken = [(pin or kind.power_input, self.sources(symbol.id, pin))
+                 for pin in sorted(power)]
+        feeds = [port for _, ports in taken for port in ports]
+        height = 30 + _PIN * (max(len(kind.inputs) + len(bound), len(kind.outputs)) + 1)
+        place = self.place(feeds, width=100, height=height)
+        instance = ''
+        if symbol.instance:
+            instance = self.maker.names.instance(symbol.instance, kind.name, None)
+        self.inputs(number, place, bound)
+        self.put(Block(id=number, placement=place, type=kind.name, instance=instance))
+        for pin, ports in taken:
+            if pin == 'EN' and ports == (Port(),):
+                continue  # always enabled: EN need not be drawn
+            self.connect(ports, Port(component=number, pin=pin))
+        self.outputs(number, place, symbol.resolved.outputs)
+        self.ports[symbol.id] = (Port(component=number, pin=kind.power_output),)
+
+    def inputs(self, number: str, place: Placement, bound: dict[str, Operand]) -> None:
+        for index, (pin, operand) in enumerate(bound.items()):
+            source = self.maker.data.get(str(operand).casefold())
+            if source is None:
+                variable = InVariable(
+                    id=self.maker.new_id(), operand=self.maker.text(operand),
+                    placement=Placement(x=max(place.x - 90, RAIL_END),
+                                        y=place.y + 30 + _PIN * (index + 1), width=60,
+                                        height=15))
+                self.put(variable)
+                source = Port(component=variable.id)
+            self.connect([source], Port(component=number, pin=pin))
+
+    def outputs(
+        self, number: str, place: Placement, bound: Sequence[tuple[str, Operand]],
+    ) -> None:
+        for index, (pin, operand) in enumerate(bound):
+            source = Port(component=number, pin=pin)
+            if isinstance(operand, Ref) and '%data' in operand.path:
+                self.maker.data[operand.path.casefold()] = source
+                continue
+            variable = OutVariable(
+                id=self.maker.new_id(), operand=self.maker.text(operand),
+                placement=Placement(x=place.x + place.width + 30,
+                                    y=place.y + 30 + _PIN * index, width=60, height=15))
+            self.put(variable)
+            self.connect([source], Port(component=variable.id))
+
+    def instance(self, symbol: SymbolVertex, component: Instance) -> None:
+        called = self.maker.called[component.composite.casefold()]
+        sources = self.sources(symbol.id)
+        self.ports[symbol.id] = sources
+        bound: dict[str, Operand | str] = {}
+        for pin, operand in symbol.resolved.inputs:
+            bound[pin] = operand
+        height = 50 + _PIN * (len(bound) + 1)
+        resolved: dict[str, Operand] = {}
+        for pin, operand in symbol.resolved.inputs:
+            is_plain = isinstance(operand, Ref) and self.maker.names.owner(operand.path) is None
+            resolved[pin] = operand
+            if pin.casefold() in called.references and not is_plain:
+                resolved[pin] = self.copy(operand)
+        place = self.place(sources, width=120, height=height)
+        number = self.maker.new_id()
+        composite = self.composite(component)
+        own = {pin: interface_name(composite, pin) for pin in resolved}
+        self.inputs(number, place, {own[pin]: operand for pin, operand in resolved.items()})
+        name = self.maker.names.instance(symbol.instance, composite.name, composite)
+        self.put(Instance(id=number, placement=place, instance=name,
+                          composite=self.maker.names.types.own(composite.name)))
+        self.connect(sources, Port(component=number, pin=called.pin))
+
+    def composite(self, component: Instance) -> Composite:
+        scope = self.maker.names.scopes[f'composite {component.composite.casefold()}']
+        return self.maker.names.definitions[scope.pou.casefold()]
+
+    def copy(self, operand: Operand) -> Ref:
+        """Put a value into a variable, so that it can be passed by reference."""
+        name = self.maker.names.temporary(operand.type)
+        variable = InVariable(
+            id=self.maker.new_id(), operand=self.maker.text(operand),
+            placement=replace(self.place(()), width=60))
+        self.put(variable)
+        target = OutVariable(
+            id=self.maker.new_id(), operand=name,
+            placement=replace(variable.placement, x=variable.placement.x + _COLUMN))
+        self.put(target)
+        self.connect([Port(component=variable.id)], Port(component=target.id))
+        return Ref(path=name, type=operand.type)
+
+
+RAIL_END = 25
+
+
+def interface_name(composite: Composite, pin: str) -> str:
+    """Return what a composite's parameter is called outside."""
+    from ladder_ros.compiler.st_names import interface
+    return interface(composite)[0].own(pin)
+
+
+def _root(operand: Operand) -> str:
+    first = operand.first if isinstance(operand, Element) else operand
+    return first.path.casefold().partition('[')[0] if isinstance(first, Ref) else ''

@@ -1,0 +1,316 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""A whole program as a PLCopen TC6 project: what each POU becomes.
+
+Imported drawings keep their positions and wires.  Our own rungs are drawn anew, one below the
+other in the order of evaluation, inline composites in their place.  An enabled composite becomes a
+function block; one with timers gets a body in Structured Text that releases them, which no
+element of the format can say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+from ladder_ros.compiler.aov_to_wires import Called, WireMaker
+from ladder_ros.compiler.il import Op
+from ladder_ros.compiler.imported import is_imported, needed_pous
+from ladder_ros.compiler.program_to_st import RELEASED, StWriter
+from ladder_ros.compiler.st_names import Identifiers, interface, literal, Names
+from ladder_ros.compiler.symbols import is_address, pou_key
+from ladder_ros.diagnostics import LadderError
+from ladder_ros.model.catalogue import CATALOGUE
+from ladder_ros.model.component import Block, Instance
+from ladder_ros.model.derived import leaves
+from ladder_ros.model.program import (
+    Body,
+    CallKind,
+    Composite,
+    Direction,
+    Pou,
+    Program,
+    Rung,
+    RunKind,
+    Variable,
+    VariableClass,
+)
+from ladder_ros.model.types import DataType, parse_literal
+from ladder_ros.source.model_to_plcopen import (
+    Declaration,
+    PouText,
+    Project,
+    RunText,
+    write_project,
+)
+
+_DEFAULT_INTERVAL = 10_000_000
+_SECTIONS = {Direction.INPUT: 'inputVars', Direction.OUTPUT: 'outputVars',
+             Direction.INOUT: 'inOutVars'}
+
+
+def write_plcopen(program: Program) -> str:
+    """Return the program as the text of a TC6 2.01 file, to be saved as UTF-8.
+
+    Raises LadderError with the program's errors, or L0511 for what the format cannot say.
+    """
+    return write_project(_Exporter(writer=StWriter.of(program), program=program).project())
+
+
+@dataclass(slots=True, kw_only=True)
+class _Exporter:
+    writer: StWriter
+    program: Program
+    called: dict[str, Called] = field(default_factory=dict)
+    pins: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = field(default_factory=dict)
+    pous: list[PouText] = field(default_factory=list)
+    timed: set[str] = field(default_factory=set)
+
+    def project(self) -> Project:
+        needed = {pou_key(pou) for pou in needed_pous(self.program)}
+        found = [c for c in self.writer.stages.symbols.composites
+                 if pou_key(c) in needed and c.call is not CallKind.INLINE]
+        for composite in found:
+            self.prepare(composite)
+        for composite in found:
+            self.pous.append(self.composite(composite))
+        runs, shared = self.programs()
+        return Project(
+            name=self.program.name or 'program', pous=tuple(self.pous),
+            globals=tuple(self.globals(shared)), runs=tuple(runs), pins=self.pins)
+
+    # -- composites -------------------------------------------------------------------------
+
+    def prepare(self, composite: Composite) -> None:
+        """Decide how a composite is called."""
+        key = composite.name.casefold()
+        own, enable = interface(composite)
+        has_timers = any(
+            call is not None and (
+                (instruction.op is Op.CAL and call.name in RELEASED)
+                or (instruction.op is Op.EXE and call.name.casefold() in self.timed))
+            for network in self.writer.code[pou_key(composite)]
+            for instruction in network.code for call in [instruction.call])
+        is_text = composite.call is CallKind.ENABLED and has_timers
+        if is_text:
+            self.timed.add(key)
+        self.called[key] = Called(pin=enable if is_text else 'EN', references=frozenset(
+            p.name.casefold() for p in composite.parameters if self.is_reference(composite, p)))
+        ins = [own.own(p.name) for p in composite.parameters
+               if self.section(composite, p) != 'outputVars']
+        outs = [own.own(p.name) for p in composite.parameters
+                if self.section(composite, p) != 'inputVars']
+        name = self.writer.types.own(composite.name)
+        self.pins[name.casefold()] = ((*([enable] if is_text else []), *ins), tuple(outs))
+
+    def is_reference(self, composite: Composite, parameter: object) -> bool:
+        return self.section(composite, parameter) == 'inOutVars'
+
+    def section(self, composite: Composite, parameter: object) -> str:
+        direction, name = parameter.direction, parameter.name  # type: ignore[attr-defined]
+        if composite.call is CallKind.ENABLED:
+            by_value = (direction is Direction.INPUT
+                        and composite.name.casefold() not in self.writer.aliased)
+            return 'inputVars' if by_value and name else 'inOutVars'
+        return _SECTIONS[direction]
+
+    def composite(self, composite: Composite) -> PouText:
+        key = composite.name.casefold()
+        own, enable = interface(composite)
+        is_text = key in self.timed
+        is_function = composite.call is CallKind.FUNCTION
+        declarations = []
+        if is_text:
+            declarations.append(Declaration(
+                name=enable, type=DataType.BOOL, section='inputVars'))
+        result = None
+        for parameter in composite.parameters:
+            section = self.section(composite, parameter)
+            if is_function and parameter.name.casefold() == key:
+                result = parameter.type
+                continue
+            declarations.append(Declaration(
+                name=own.own(parameter.name), type=parameter.type, section=section,
+                initial=None if section == 'inOutVars' else parameter.default,
+                comment=parameter.comment))
+        for variable in composite.variables:
+            declarations.append(replace(self.variable(own.own(variable.name), variable),
+                                        section='localVars'))
+        for name in composite.externals:
+            if not is_address(name):
+                declarations.append(self.external(name))
+        body: Rung | str
+        if is_imported(composite) and not composite.statements and not is_text:
+            body = self.imported(composite)
+            declarations += self.blocks(composite.blocks, composite.rungs)
+        elif composite.statements or is_text:
+            names, lines = self.writer.composite_body(
+                replace(composite, call=CallKind.BLOCK) if is_function else composite)
+            body = '\n'.join(lines)
+            declarations += self.hidden(names, composite.externals)
+        else:
+            names = Names(
+                scope=self.writer.stages.symbols.scopes[pou_key(composite)], identifiers=own,
+                types=self.writer.types, scopes=self.writer.stages.symbols.scopes,
+                definitions=self.writer.composites)
+            names.declare_instances()
+            body = self.drawing([composite], names, key in self.writer.aliased)
+            declarations += self.hidden(names, composite.externals)
+        return PouText(
+            name=self.writer.types.own(composite.name),
+            kind='function' if is_function else 'functionBlock',
+            declarations=tuple(declarations), body=body, result=result,
+            comment=composite.specification)
+
+    # -- bodies -----------------------------------------------------------------------------
+
+    def drawing(self, pous: Sequence[Pou], names: Names, aliased: bool) -> Rung:
+        maker = WireMaker(names=names, called=self.called, aliased=aliased)
+        for pou in pous:
+            for aov in self.writer.stages.graphs[pou_key(pou)]:
+                maker.add(aov)
+        return maker.rung()
+
+    def imported(self, pou: Pou) -> Rung:
+        if len(pou.rungs) != 1 or pou.unsupported:
+            raise LadderError.of('L0511', pou.location, form='plcopen',
+                                 what=f'the body of {pou.name}')
+        for component in pou.rungs[0].components:
+            if isinstance(component, Block) and component.statements:
+                raise LadderError.of('L0511', component.location, form='plcopen',
+                                     what='an EXECUTE box')
+        return pou.rungs[0]
+
+    def blocks(
+        self, declared: Iterable[tuple[str, str]], rungs: Sequence[Rung],
+    ) -> Iterator[Declaration]:
+        """Yield the declarations of the instances of an imported drawing."""
+        found = {name.casefold(): (name, type_) for name, type_ in declared}
+        for rung in rungs:
+            for component in rung.components:
+                if isinstance(component, (Block, Instance)) and component.instance:
+                    type_ = (component.type if isinstance(component, Block)
+                             else component.composite)
+                    found.setdefault(component.instance.casefold(),
+                                     (component.instance, type_))
+        for name, type_ in found.values():
+            yield Declaration(name=name, type=self.block_type(type_), section='localVars')
+
+    def block_type(self, name: str) -> str:
+        return name.upper() if name.upper() in CATALOGUE else self.writer.types.own(name)
+
+    def hidden(self, names: Names, shared: Iterable[str]) -> Iterator[Declaration]:
+        known = {names.identifiers.own(name) for name in shared if not is_address(name)}
+        for name, text in names.hidden.items():
+            if name in known:
+                continue
+            type_, _, initial = text.partition(' := ')
+            if type_ in DataType.__members__:
+                scalar = DataType[type_]
+                yield Declaration(
+                    name=name, type=scalar, section='localVars',
+                    initial=parse_literal(initial, scalar) if initial else None)
+            else:
+                yield Declaration(name=name, type=type_, section='localVars')
+
+    # -- programs ---------------------------------------------------------------------------
+
+    def programs(self) -> tuple[list[RunText], set[str]]:
+        once = [body for body in self.program.bodies if body.run is RunKind.ONCE]
+        if once:
+            raise LadderError.of('L0511', once[0].location, form='plcopen',
+                                 what=f'the body {once[0].name}, which runs once at the start')
+        groups: dict[str, list[Body]] = {}
+        for body in self.program.bodies:
+            is_drawn = not body.statements and not is_imported(body)
+            key = body.task.casefold() if is_drawn else f'{body.task.casefold()} {body.name}'
+            groups.setdefault(key, []).append(body)
+        tasks = {task.name.casefold(): task for task in self.program.tasks}
+        order = sorted(groups.values(), key=lambda bodies: (
+            tasks[bodies[0].task.casefold()].priority
+            if bodies[0].task.casefold() in tasks else 0))
+        shared = {n.casefold() for c in self.program.composites for n in c.externals}
+        if len(order) > 1:
+            shared |= {v.name.casefold() for v in self.program.variables}
+            shared |= {name.casefold() for name, _ in self.program.blocks}
+        taken = Identifiers(frozenset(
+            {pou.name.casefold() for pou in self.pous}
+            | {v.name.casefold() for v in self.program.variables}))
+        runs = []
+        for number, bodies in enumerate(order):
+            task = tasks.get(bodies[0].task.casefold())
+            name = taken.fresh(bodies[0].name)
+            self.pous.append(self.program_pou(name, bodies, shared))
+            runs.append(RunText(
+                name=f'instance{number}', pou=name, task=task.name if task else 'task0',
+                interval=task.interval if task else _DEFAULT_INTERVAL,
+                priority=task.priority if task else 0))
+        return runs, shared
+
+    def program_pou(self, name: str, bodies: Sequence[Body], shared: set[str]) -> PouText:
+        own = Identifiers(frozenset({name.casefold()}))
+        first = bodies[0]
+        for variable in self.program.variables:
+            own.own(variable.name)
+        declarations = []
+        for variable in self.program.variables:
+            if variable.name.casefold() in shared:
+                declarations.append(self.external(variable.name))
+            else:
+                declarations.append(self.variable(own.own(variable.name), variable))
+        external_blocks = [n for n, _ in self.program.blocks if n.casefold() in shared]
+        declarations += [self.external(n) for n in external_blocks]
+        names = Names(
+            scope=self.writer.stages.symbols.scopes[pou_key(first)], identifiers=own,
+            types=self.writer.types, scopes=self.writer.stages.symbols.scopes,
+            definitions=self.writer.composites)
+        body: Rung | str
+        if first.statements:
+            names.declare_instances()
+            emitter = self.writer.emitter(names, aliased=False)
+            self.writer.emit(emitter, self.writer.code[pou_key(first)])
+            body = '\n'.join(emitter.lines)
+            declarations += self.hidden(names, external_blocks)
+        elif is_imported(first):
+            body = self.imported(first)
+            known = {n.casefold() for n in external_blocks}
+            declarations += [d for d in self.blocks(
+                [b for b in self.program.blocks if b[0].casefold() not in known], first.rungs)
+                if d.name.casefold() not in known]
+        else:
+            names.declare_instances()
+            body = self.drawing(bodies, names, aliased=False)
+            declarations += self.hidden(names, external_blocks)
+        return PouText(name=name, kind='program', declarations=tuple(declarations), body=body,
+                       comment=self.program.specification)
+
+    # -- variables --------------------------------------------------------------------------
+
+    def variable(self, name: str, variable: Variable) -> Declaration:
+        section = {VariableClass.INPUT: 'inputVars', VariableClass.OUTPUT: 'outputVars',
+                   VariableClass.LOCAL: 'localVars'}[variable.variable_class]
+        return Declaration(
+            name=name, type=variable.type, section='localVars' if variable.address else section,
+            initial=variable.initial, address=variable.address, retain=variable.retain,
+            constant=variable.constant, comment=variable.comment)
+
+    def external(self, name: str) -> Declaration:
+        for variable in self.program.variables:
+            if variable.name.casefold() == name.casefold():
+                return Declaration(
+                    name=self.writer.globals.own(name), type=variable.type,
+                    section='externalVars', constant=variable.constant)
+        type_ = next(t for n, t in self.program.blocks if n.casefold() == name.casefold())
+        return Declaration(name=self.writer.globals.own(name), type=self.block_type(type_),
+                           section='externalVars')
+
+    def globals(self, shared: set[str]) -> Iterator[Declaration]:
+        for variable in self.program.variables:
+            if variable.name.casefold() in shared:
+                yield replace(
+                    self.variable(self.writer.globals.own(variable.name), variable),
+                    section='globalVars')
+        for name, type_ in self.program.blocks:
+            if name.casefold() in shared:
+                yield Declaration(name=self.writer.globals.own(name),
+                                  type=self.block_type(type_), section='globalVars')
