@@ -15,7 +15,7 @@ import math
 
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.executable import Entry, Executable, State, TaskEntry
-from ladder_ros.model.types import NS_PER_MS
+from ladder_ros.model.types import format_time, NS_PER_MS
 from ladder_ros.runtime.statistics import Recorder, Statistics
 
 Timer = Callable[[], int]
@@ -89,9 +89,9 @@ class RunningTask:
         if self._trips_in_a_row >= entry.sensitivity:
             raise LadderError.of(
                 'L0525', Location(pou=entry.name), name=entry.name,
-                took=f'{took / NS_PER_MS:g} ms'
+                took=format_time(took)
                      + (f', {entry.sensitivity} times in a row' if entry.sensitivity > 1 else ''),
-                limit=f'{entry.watchdog / NS_PER_MS:g} ms')
+                limit=format_time(entry.watchdog))
 
     def read(self) -> TaskStatistics:
         """Return its statistics."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 import threading
 from typing import Any
@@ -13,6 +14,7 @@ from typing import Any
 from runtime.handmade import executable, Variables
 import yaml
 
+from ladder_ros.compiler.background import CompilerProcess
 from ladder_ros.compiler.il_text import parse_il
 from ladder_ros.compiler.symbols import Resolved
 from ladder_ros.compiler.wiring import End, Net, Part, Wiring
@@ -20,8 +22,11 @@ from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import LadderError, render
 from ladder_ros.model.component import Contact, Placement
 from ladder_ros.model.program import Rung
+from ladder_ros.runtime.clock import SimulatedClock
+from ladder_ros.runtime.retain_store import load_retained, Retained, save_retained
+from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
 from ladder_ros.runtime.simulation import Simulation
-from ladder_ros.session import compile_file, export, Session
+from ladder_ros.session import compile_file, export, replay, Session
 
 
 def _error_of(action: Callable[[], object]) -> str:
@@ -75,6 +80,62 @@ def wrong_state(folder: Path) -> str:
 def unknown_form(folder: Path) -> str:
     """Write a program in a form that does not exist."""
     return _error_of(lambda: export(folder / 'program.xml', 'pdf')).replace(f'{folder}/', '')
+
+
+def no_test(folder: Path) -> str:
+    """Accept when no program is on test."""
+    with Session(clock=SimulatedClock()) as session:
+        session.open(folder / 'program.xml')
+        return _error_of(session.accept)
+
+
+def too_slow_to_compile(folder: Path) -> str:
+    """Compile in no time."""
+    compiler = CompilerProcess()
+    data = (folder / 'program.xml').read_bytes()
+    try:
+        return _error_of(lambda: compiler.compile(
+            data, 'program.xml', backend='python', timeout=0))
+    finally:
+        compiler.close()
+
+
+def nowhere(folder: Path) -> str:
+    """Preflight a program that looks for what is not there."""
+    with Session(clock=SimulatedClock()) as session:
+        session.open(folder / 'program.xml')
+        found = session.preflight(folder / 'renamed.xml')
+        return render(found.comparison.warnings).replace(f'{folder}/', '')
+
+
+def damaged_store(folder: Path) -> str:
+    """Read retained values from a file that holds none."""
+    store = folder / 'retained'
+    store.write_text('something else', encoding='utf-8')
+    return _error_of(lambda: load_retained(str(store))).replace(f'{folder}/', '')
+
+
+def missing_folder(folder: Path) -> str:
+    """Save retained values where nothing can be saved."""
+    values = Retained(program='example', hash='', saved='', values={})
+    return _error_of(lambda: save_retained(
+        str(folder / 'missing' / 'retained'), values)).replace(f'{folder}/', '')
+
+
+def watchdog(folder: Path) -> str:
+    """Run a task on a clock that moves by 3 ms whenever it is looked at."""
+    times = count(0, 3_000_000)
+    cycle = ScanCycle(compile_file(folder / 'program.xml').executable, lambda: next(times))
+    try:
+        cycle.scan(0)
+    except ProgramFault as fault:
+        return str(fault.__cause__)
+    raise AssertionError('no watchdog has tripped')
+
+
+def no_recording(folder: Path) -> str:
+    """Replay a program file."""
+    return _error_of(lambda: replay(folder / 'program.xml', [])).replace(f'{folder}/', '')
 
 
 # -- the node -------------------------------------------------------------------------------------
@@ -143,6 +204,13 @@ MAKERS: Mapping[str, Callable[[Path], str]] = {
     'L0506': fault,
     'L0508': wrong_state,
     'L0510': unknown_form,
+    'L0520': no_test,
+    'L0521': too_slow_to_compile,
+    'L0522': nowhere,
+    'L0523': damaged_store,
+    'L0524': missing_folder,
+    'L0525': watchdog,
+    'L0526': no_recording,
     'L0606': unknown_parameter,
     'L0609': dropped_variable,
     'L0610': busy_compiler,

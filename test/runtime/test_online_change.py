@@ -127,7 +127,7 @@ def test_test_when_the_watchdog_trips_then_the_old_program_comes_back(bench: Ben
     bench.controller.test(bad)
     bench.run(2)
     assert bench.results[-1][0] is OLD
-    assert 'the task main took 5 ms' in bench.changes[-1].reason
+    assert 'the task main took T#5ms' in bench.changes[-1].reason
 
 
 def test_test_when_overruns_are_more_than_the_limit_then_the_old_program_comes_back(

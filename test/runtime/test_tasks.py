@@ -138,7 +138,7 @@ def test_watchdog_when_it_trips_often_enough_then_it_is_a_fault() -> None:
     with pytest.raises(ProgramFault) as caught:
         cycle.scan(1)
     assert str(caught.value) == (
-        'the task a took 6 ms, 2 times in a row, its watchdog allows 5 ms')
+        'the task a took T#6ms, 2 times in a row, its watchdog allows T#5ms')
 
 
 def test_share_when_a_routine_is_not_active_then_it_is_not_counted() -> None:
