@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 import threading
+import time
 from typing import Any, Protocol
 
 from rclpy.duration import Duration
@@ -28,6 +29,8 @@ from ladder_ros.ros.conversions import Misfit
 from ladder_ros.ros.io_map import Endpoint, InputPoint, IoMap, OutputPoint
 
 _NOTHING = object()
+DELIVERY_SECONDS = 0.5
+"""So long a publisher is kept for its last values to reach those who listen."""
 
 
 class Write(Protocol):
@@ -265,8 +268,10 @@ class Bindings:
                 # Nobody may send it again to a variable that is new on this topic.
                 if item.state.value is None and source.last is not _NOTHING:
                     item.receive(source.last, self._write)
-        self._publish_safe(
-            output for endpoint, output in old.outputs.items() if endpoint not in plan.outputs)
+        dropped = [
+            output for endpoint, output in old.outputs.items() if endpoint not in plan.outputs]
+        self._publish_safe(dropped)
+        self._wait_for_delivery(dropped, DELIVERY_SECONDS)  # lost with its publisher otherwise
         self._destroy(old, keep=plan)
         if old.executable is not None and old.executable is not plan.executable:
             self._plans.pop(id(old.executable), None)
@@ -329,16 +334,21 @@ class Bindings:
 
     def wait_for_delivery(self, seconds: float) -> None:
         """Give the middleware time to hand over the safe values."""
-        for output in self._plan.outputs.values():
+        self._wait_for_delivery(self._plan.outputs.values(), seconds)
+
+    # Helpers
+
+    def _wait_for_delivery(self, outputs: Iterable[Output], seconds: float) -> None:
+        deadline = time.monotonic() + seconds
+        for output in outputs:
             if output.point.safe is None or output.point.endpoint.qos == 'sensor_data':
                 continue
+            left = max(deadline - time.monotonic(), 0.001)
             try:
-                output.channel.publisher.wait_for_all_acked(Duration(seconds=seconds))
+                output.channel.publisher.wait_for_all_acked(Duration(seconds=left))
             except Exception as error:  # not every middleware can; nothing is lost by it
                 self._warn(f'cannot wait for delivery: {error}')
                 return
-
-    # Helpers
 
     @staticmethod
     def _publish_safe(outputs: Iterable[Output]) -> None:

@@ -24,7 +24,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 
 from ladder_ros.diagnostics import LadderError, Location, render
 from ladder_ros.model.types import Value
-from ladder_ros.ros.bindings import Bindings
+from ladder_ros.ros.bindings import Bindings, DELIVERY_SECONDS
 from ladder_ros.ros.io_map import IoMap, resolve_io
 from ladder_ros.ros.parameters import Declaration, declare, parameter_place, Settings
 from ladder_ros.ros.program_source import first_program, next_program, ProgramFolders
@@ -119,7 +119,7 @@ class Plc:
         self._session.stop()
         self._bindings.publish_safe()
         self._status.publish()
-        self._bindings.wait_for_delivery(0.5)
+        self._bindings.wait_for_delivery(DELIVERY_SECONDS)
         self._bindings.close()
 
     # Services
