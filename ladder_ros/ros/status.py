@@ -29,8 +29,8 @@ DIAGNOSTICS = 1.0
 SHADOW = 0.5
 ASKED_FOR = 'asked for'
 """The reason of an untest that somebody wanted."""
-CHANGING = ('scans', 'skipped', 'execution_ms', 'max_lateness_ms', 'io', 'tasks', 'share',
-            'shadow', 'retain')
+CHANGING = ('scans', 'skipped', 'execution_ms', 'max_lateness_ms', 'jitter_ms', 'io', 'tasks',
+            'share', 'shadow', 'retain')
 CHANGING_PARTS = (('change', 'test_left_ms'),)
 """Parts of the state that change all the time: no reason to publish it out of turn."""
 CHANGES = QoSProfile(

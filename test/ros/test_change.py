@@ -147,6 +147,7 @@ def test_test_when_outputs_agree_then_nothing_is_published_that_is_not_so(plc: S
     running = plc(LATCH, io={'latched': {'safe': False}})
     name = running.client.plc
     latched = running.client.listen(f'{name}/latched', Bool, latched=True)
+    latched.wait(False)
     running.client.send(f'{name}/set_it', Bool, True)
     latched.wait(True)
     running.client.send(f'{name}/set_it', Bool, False)

@@ -255,6 +255,17 @@ def test_diagnostics_when_running_then_scan_program_and_io_are_there(plc: Start)
         '1 variables are forced'], 'a warning of the force')
 
 
+def test_state_when_nothing_changes_but_numbers_then_it_is_not_published(plc: Start) -> None:
+    from diagnostic_msgs.msg import DiagnosticArray
+
+    running = plc(COPY, status_period=3600.0)
+    reports = running.client.listen('/diagnostics', DiagnosticArray, field='status')
+    until(lambda: len(reports.values) >= 1, 'diagnostics')
+    states = len(running.client._states.values)
+    until(lambda: len(reports.values) >= 4, 'three seconds')
+    assert len(running.client._states.values) <= states + 1
+
+
 def test_simulated_time_when_the_clock_steps_then_scans_and_timers_step_with_it(
         plc: Start) -> None:
     from rosgraph_msgs.msg import Clock
