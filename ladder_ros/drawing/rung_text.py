@@ -31,7 +31,7 @@ from ladder_ros.drawing.layout import (
 from ladder_ros.drawing.shapes import Box, Shape, shape_of, ShapeContext, Symbol, Wire
 from ladder_ros.model.component import Argument, Block, Coil, Component, Contact, Instance
 from ladder_ros.model.derived import initial_text, type_name
-from ladder_ros.model.program import Body, Composite, Pou, Program, Rung, RunKind
+from ladder_ros.model.program import Body, CallKind, Composite, Pou, Program, Rung, RunKind
 
 MAX_CELLS = 200_000
 """Grid cells of the largest rung that is drawn; what is larger is listed instead."""
