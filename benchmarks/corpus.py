@@ -6,8 +6,8 @@ usage: python benchmarks/corpus.py FOLDER [--only TEXT] [--scans 1000]
 
 FOLDER holds a folder a program: ``program.xml`` and, where an independent compiler ran it,
 ``trace.json`` with ``trace.inputs.csv`` and ``trace.outputs.csv`` (``trace_slow.*`` likewise).  A
-program with traces is compared with them in every backend; any other runs on random inputs, and the
-backends are compared with each other.  Exits with 1 if a program crashed or differs.
+program with traces is compared with them in every backend; any other runs on random inputs, and
+the backends are compared with each other.  Exits with 1 if a program crashed or differs.
 """
 
 from __future__ import annotations
@@ -44,7 +44,8 @@ def main() -> int:
             continue
         dialect, rungs, verdict, detail = judge(file, options.scans)
         tally[verdict] += 1
-        print(f'{file.parent.name[-58:]:58} {dialect:9} {rungs:5} {verdict:8} {detail}', flush=True)
+        name = file.parent.name[-58:]
+        print(f'{name:58} {dialect:9} {rungs:5} {verdict:8} {detail}', flush=True)
     print(', '.join(f'{count} {verdict}' for verdict, count in sorted(tally.items())))
     return 1 if tally['crashed'] or tally['differs'] else 0
 

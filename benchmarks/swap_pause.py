@@ -43,8 +43,8 @@ def program(rungs: int, *, extra: bool = False, turned: bool = False) -> str:
     """Return a program: a seal-in, a timer and contacts a rung, by turns; one output is held."""
     variables = ['<variable name="go" class="input" type="BOOL"/>',
                  '<variable name="held" class="output" type="BOOL"/>']
-    drawn = ['<rung id="held" width="2"><contact id="c" x="0" y="0" operand="go"/>'
-             '<coil id="k" x="1" y="0" operand="held" kind="set"/></rung>']
+    drawn = [('<rung id="held" width="2"><contact id="c" x="0" y="0" operand="go"/>'
+              '<coil id="k" x="1" y="0" operand="held" kind="set"/></rung>')]
     for n in range(rungs + extra - 1):
         variables.append(f'<variable name="v{n}" type="BOOL"/>')
         before = f'v{n - 1}' if n else 'go'

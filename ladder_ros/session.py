@@ -15,6 +15,8 @@ import os
 from ladder_ros.compiler.background import COMPILER
 from ladder_ros.compiler.dump import dump_stage, STAGES, with_drawings
 from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
+from ladder_ros.compiler.program_to_plcopen import write_plcopen
+from ladder_ros.compiler.program_to_st import write_st
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location
 from ladder_ros.drawing.rung_text import draw_program, Style
 from ladder_ros.executable import Executable
@@ -92,7 +94,7 @@ __all__ = [
 ]
 
 DEFAULT_BACKEND = next(iter(BACKENDS))
-EXPORTS = ('xml',)
+EXPORTS = ('xml', 'plcopen', 'st', 'il')
 """The forms in which a program can be written."""
 
 
@@ -148,6 +150,15 @@ def export(path: str | os.PathLike[str], to: str) -> str:
         raise LadderError.of(
             'L0510', Location(file=os.fspath(path)), form=to, known=', '.join(EXPORTS))
     program, _ = _read(path)
+    if to == 'plcopen':
+        return write_plcopen(program)
+    if to == 'st':
+        return write_st(program)
+    if to == 'il':
+        return dump_stage(program, 'il')
+    if program.dialect != 'native':
+        raise LadderError.of('L0511', program.location, form='xml',
+                             what='a program that was drawn elsewhere')
     return write_program(program)
 
 

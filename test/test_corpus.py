@@ -76,7 +76,7 @@ class Machine:
         self.shortest = math.gcd(*(entry.interval for entry in executable.entries))
 
     def write(self, names: list[str], row: list[str]) -> None:
-        for name, text in zip(names, row):
+        for name, text in zip(names, row, strict=True):
             slot = self.executable.slot(name)
             assert slot is not None, f'there is no {name}'
             if text:
@@ -93,7 +93,7 @@ class Machine:
 def differences(
     machine: Machine, scan: int, names: list[str], row: list[str],
 ) -> Iterator[str]:
-    for name, text in zip(names, row):
+    for name, text in zip(names, row, strict=True):
         slot = machine.executable.slot(name)
         assert slot is not None, f'there is no {name}'
         got = machine.state[slot.index]

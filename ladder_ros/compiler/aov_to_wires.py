@@ -12,23 +12,25 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.aov import Aov, reads_and_writes, SymbolVertex
-from ladder_ros.compiler.st_names import literal, Names
+from ladder_ros.compiler.st_names import interface, literal, Names, SURE
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
 from ladder_ros.compiler.wiring import Rail
-from ladder_ros.diagnostics import LadderError
+from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import (
     Block,
     Coil,
+    CoilKind,
     Component,
     Contact,
+    ContactKind,
     Instance,
     InVariable,
     OutVariable,
     Placement,
 )
 from ladder_ros.model.program import Composite, Order, Port, Rung, Wire
-from ladder_ros.model.types import DataType
+from ladder_ros.model.types import DataType, default_value
 
 _COLUMN, _ROW, _LEFT = 170, 50, 70
 _PIN = 20
@@ -78,14 +80,41 @@ class WireMaker:
         if isinstance(operand, Literal):
             return literal(operand.value, operand.type)
         if isinstance(operand, Element):
-            raise LadderError.of('L0511', self.at, form='plcopen',
+            raise LadderError.of('L0511', Location(), form='plcopen',
                                  what=f'the element {operand.first} that is found at run time')
         return self.names.place(operand)
 
-    @property
-    def at(self):  # type: ignore[no-untyped-def]
-        """Return where the last component comes from."""
-        return self.components[-1].location if self.components else None
+    def constant_contact(self, operand: str, kind: ContactKind) -> Port:
+        """Add a contact at the left rail; return what it gives."""
+        self.row += _ROW
+        one = Contact(id=self.new_id(), operand=operand, kind=kind, placement=Placement(
+            x=_LEFT, y=self.row - _ROW + 20, width=21, height=15))
+        self.components.append(one)
+        self.wires.append(Wire(source=Port(), target=Port(component=one.id)))
+        return Port(component=one.id)
+
+    def call(self, instance: Instance, power: Port, pins: Sequence[tuple[str, str]]) -> None:
+        """Add a call of a function block whose EN takes the power; pins are given variables."""
+        height = 50 + _PIN * (len(pins) + 1)
+        number = self.new_id()
+        place = Placement(x=_LEFT + _COLUMN, y=self.row + 20, width=120, height=height)
+        self.row += height + 20
+        for index, (pin, operand) in enumerate(pins):
+            variable = InVariable(id=self.new_id(), operand=operand, placement=Placement(
+                x=_LEFT, y=place.y + 30 + _PIN * (index + 1), width=60, height=15))
+            self.components.append(variable)
+            self.wires.append(Wire(source=Port(component=variable.id),
+                                   target=Port(component=number, pin=pin)))
+        self.components.append(replace(instance, id=number, placement=place))
+        self.wires.append(Wire(source=power, target=Port(component=number, pin='EN')))
+
+    def coil(self, power: Port, operand: str, kind: CoilKind) -> None:
+        """Add a coil on a line of its own."""
+        coil = Coil(id=self.new_id(), operand=operand, kind=kind, placement=Placement(
+            x=_LEFT + 2 * _COLUMN, y=self.row + 20, width=21, height=15))
+        self.row += _ROW
+        self.components.append(coil)
+        self.wires.append(Wire(source=power, target=Port(component=coil.id)))
 
 
 @dataclass(slots=True, kw_only=True)
@@ -232,7 +261,7 @@ class _Network:
     def block(self, symbol: SymbolVertex, component: Block) -> None:
         kind = CATALOGUE[symbol.resolved.block or component.type.upper()]
         number = self.maker.new_id()
-        bound = {pin: operand for pin, operand in symbol.resolved.inputs}
+        bound = dict(symbol.resolved.inputs)
         power = {arc.target_pin for arc in self.aov.arcs if arc.target == symbol.id}
         taken = [(pin or kind.power_input, self.sources(symbol.id, pin))
                  for pin in sorted(power)]
@@ -250,6 +279,38 @@ class _Network:
             self.connect(ports, Port(component=number, pin=pin))
         self.outputs(number, place, symbol.resolved.outputs)
         self.ports[symbol.id] = (Port(component=number, pin=kind.power_output),)
+        enabled = dict(taken).get('EN', (Port(),))
+        if kind.is_function and enabled != (Port(),) and kind.name not in SURE:
+            self.zero_on_error(number, enabled, symbol.resolved.outputs)
+
+    def zero_on_error(
+        self, number: str, enabled: tuple[Port, ...], outputs: Sequence[tuple[str, Operand]],
+    ) -> None:
+        """Write what an arithmetic error gives, zero: ENO keeps the result from being assigned."""
+        targets = [target for pin, target in outputs
+                   if pin == 'OUT' and '%data' not in str(target)]
+        if not targets:
+            return
+        power, fine = (self.maker.names.temporary(DataType.BOOL) for _ in range(2))
+        self.statement_coil(enabled, power)
+        self.statement_coil((Port(component=number, pin='ENO'),), fine)
+        first = Contact(id=self.maker.new_id(), placement=self.place(()), operand=power)
+        self.put(first)
+        self.connect([Port()], Port(component=first.id))
+        sources = (Port(component=first.id),)
+        second = Contact(id=self.maker.new_id(), placement=self.place(sources), operand=fine,
+                         kind=ContactKind.NORMALLY_CLOSED)
+        self.put(second)
+        self.connect(sources, Port(component=second.id))
+        for target in targets:
+            sources = (Port(component=second.id),)
+            move = self.maker.new_id()
+            place = self.place(sources, width=100, height=90)
+            zero = Literal(value=default_value(target.type), type=target.type)
+            self.inputs(move, place, {'IN': zero})
+            self.put(Block(id=move, placement=place, type='MOVE'))
+            self.connect(sources, Port(component=move, pin='EN'))
+            self.outputs(move, place, [('OUT', target)])
 
     def inputs(self, number: str, place: Placement, bound: dict[str, Operand]) -> None:
         for index, (pin, operand) in enumerate(bound.items()):
@@ -283,10 +344,7 @@ class _Network:
         called = self.maker.called[component.composite.casefold()]
         sources = self.sources(symbol.id)
         self.ports[symbol.id] = sources
-        bound: dict[str, Operand | str] = {}
-        for pin, operand in symbol.resolved.inputs:
-            bound[pin] = operand
-        height = 50 + _PIN * (len(bound) + 1)
+        height = 50 + _PIN * (len(symbol.resolved.inputs) + 1)
         resolved: dict[str, Operand] = {}
         for pin, operand in symbol.resolved.inputs:
             is_plain = isinstance(operand, Ref) and self.maker.names.owner(operand.path) is None
@@ -296,7 +354,8 @@ class _Network:
         place = self.place(sources, width=120, height=height)
         number = self.maker.new_id()
         composite = self.composite(component)
-        own = {pin: interface_name(composite, pin) for pin in resolved}
+        own = {pin: interface(composite, rename=self.maker.names.types.rename)[0].own(pin)
+               for pin in resolved}
         self.inputs(number, place, {own[pin]: operand for pin, operand in resolved.items()})
         name = self.maker.names.instance(symbol.instance, composite.name, composite)
         self.put(Instance(id=number, placement=place, instance=name,
@@ -323,12 +382,6 @@ class _Network:
 
 
 RAIL_END = 25
-
-
-def interface_name(composite: Composite, pin: str) -> str:
-    """Return what a composite's parameter is called outside."""
-    from ladder_ros.compiler.st_names import interface
-    return interface(composite)[0].own(pin)
 
 
 def _root(operand: Operand) -> str:

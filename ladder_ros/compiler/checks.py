@@ -43,7 +43,7 @@ def check_size(program: Program) -> tuple[Diagnostic, ...]:
     def missing(pou: Pou) -> list[Composite]:
         names = {c.composite.casefold() for r in pou.rungs for c in r.components
                  if isinstance(c, Instance)}
-        return [composites[name] for name in names if name not in sizes]
+        return [composites[name] for name in names if name in composites and name not in sizes]
 
     pending: list[Pou] = [*program.composites]
     while pending:
@@ -75,6 +75,8 @@ def _size(pou: Pou, sizes: Mapping[str, _Size], composites: Mapping[str, Composi
             components += 1
             if isinstance(component, Instance):
                 name = component.composite.casefold()
+                if name not in sizes:  # a program that is drawn as a block; reported later
+                    continue
                 inner = sizes[name]
                 components += inner.components
                 instances += inner.instances + (composites[name].call is CallKind.ENABLED)

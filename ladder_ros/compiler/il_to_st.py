@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import re
 
 from ladder_ros.compiler.il import Call, CONTROL, Instruction, Op
-from ladder_ros.compiler.st_names import interface, literal, Names
+from ladder_ros.compiler.st_names import interface, literal, Names, SURE
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
@@ -22,11 +22,6 @@ from ladder_ros.model.program import CallKind, Composite, Direction
 from ladder_ros.model.types import DataType, default_value
 
 _LONGEST = 90
-_SURE = frozenset({
-    'ADD', 'SUB', 'MUL', 'MOVE', 'AND', 'OR', 'XOR', 'NOT', 'MAX', 'MIN', 'LIMIT', 'SEL', 'ABS',
-    'LEN', 'CONCAT', 'FIND', 'ADD_TIME', 'SUB_TIME',
-})
-"""Functions that have no arithmetic error: their ENO is EN."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -273,7 +268,7 @@ class StEmitter:
         arguments: list[str] = []
         before: list[tuple[Operand, str]] = []
         after: list[tuple[Operand, str]] = []
-        own, enable = interface(composite)
+        own, enable = interface(composite, rename=self.names.types.rename)
         if op is Op.EXE:
             arguments.append(f'{enable} := {power}')
         for pin, operand in call.inputs:
@@ -365,7 +360,7 @@ class StEmitter:
         type_ = out_pin.type if isinstance(out_pin.type, DataType) else call.type
         out = self.names.temporary(type_)
         fine = power
-        unsure = wants_eno and kind.name not in _SURE and (kind.base or kind.name) not in _SURE
+        unsure = wants_eno and kind.name not in SURE and (kind.base or kind.name) not in SURE
         if unsure:
             fine = _Value(text=self.names.temporary(DataType.BOOL))
         guarded = power.text != 'TRUE'

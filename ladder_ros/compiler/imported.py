@@ -4,17 +4,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, ValuesView
 from dataclasses import dataclass, fields, is_dataclass
 
 from ladder_ros.compiler.aov import Aov
 from ladder_ros.compiler.il import Network
 from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.symbols import pou_key, Symbols
-from ladder_ros.diagnostics import Diagnostic, problem
+from ladder_ros.diagnostics import Diagnostic, Location, problem
 from ladder_ros.model.component import Block, Instance
 from ladder_ros.model.program import Composite, Pou, Program
-from ladder_ros.model.st import CallExpression, CallStatement
+from ladder_ros.model.st import CallExpression, CallStatement, Field
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,7 +36,15 @@ def lowering_of(program: Program, symbols: Symbols, pou: Pou) -> Lowering:
     return Lowering(
         scope=symbols.scopes[pou_key(pou)], expressions=program.expressions,
         enumerations=program.enumerations,
-        composites={c.name.casefold(): c for c in program.composites})
+        composites={c.name.casefold(): c for c in program.composites},
+        read_fields=frozenset(_read_fields(program)))
+
+
+def _read_fields(program: Program) -> Iterator[str]:
+    pous: list[Pou] = [*program.composites, *program.bodies]
+    for node in _nodes([program.expressions.values(), *(pou.statements for pou in pous)]):
+        if isinstance(node, Field):
+            yield node.name.casefold()
 
 
 def needed_pous(program: Program) -> tuple[Pou, ...]:
@@ -75,17 +83,23 @@ def _uses(pou: Pou) -> Iterator[str]:
 
 
 def _called(root: object) -> Iterator[str]:
-    """Yield the names of what a statement or expression calls, without recursion."""
+    """Yield the names of what a statement or expression calls."""
+    for node in _nodes(root):
+        if isinstance(node, CallExpression):
+            yield node.name.casefold()
+        elif isinstance(node, CallStatement):
+            yield node.target.name.casefold()
+
+
+def _nodes(root: object) -> Iterator[object]:
+    """Yield every part of statements and expressions, without recursion."""
     pending: list[object] = [root]
     while pending:
         node = pending.pop()
-        if isinstance(node, (tuple, list)):
+        if isinstance(node, (tuple, list, ValuesView)):
             pending.extend(node)
-        elif is_dataclass(node):
-            if isinstance(node, CallExpression):
-                yield node.name.casefold()
-            elif isinstance(node, CallStatement):
-                yield node.target.name.casefold()
+        elif is_dataclass(node) and not isinstance(node, Location):
+            yield node
             pending.extend(getattr(node, part.name) for part in fields(node))
 
 

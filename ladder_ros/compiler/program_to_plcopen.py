@@ -12,22 +12,25 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+import re
 
+from ladder_ros.compiler.aov import reads_and_writes
 from ladder_ros.compiler.aov_to_wires import Called, WireMaker
-from ladder_ros.compiler.il import Op
+from ladder_ros.compiler.il import Call, Op
 from ladder_ros.compiler.imported import is_imported, needed_pous
 from ladder_ros.compiler.program_to_st import RELEASED, StWriter
-from ladder_ros.compiler.st_names import Identifiers, interface, literal, Names
+from ladder_ros.compiler.st_names import Identifiers, interface, Names
 from ladder_ros.compiler.symbols import is_address, pou_key
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.catalogue import CATALOGUE
-from ladder_ros.model.component import Block, Instance
-from ladder_ros.model.derived import leaves
+from ladder_ros.model.component import Block, CoilKind, ContactKind, Instance, Placement
 from ladder_ros.model.program import (
     Body,
     CallKind,
     Composite,
     Direction,
+    Parameter,
+    Port,
     Pou,
     Program,
     Rung,
@@ -54,7 +57,8 @@ def write_plcopen(program: Program) -> str:
 
     Raises LadderError with the program's errors, or L0511 for what the format cannot say.
     """
-    return write_project(_Exporter(writer=StWriter.of(program), program=program).project())
+    writer = StWriter.of(program, rename=program.dialect == 'native')
+    return write_project(_Exporter(writer=writer, program=program).project())
 
 
 @dataclass(slots=True, kw_only=True)
@@ -65,11 +69,24 @@ class _Exporter:
     pins: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = field(default_factory=dict)
     pous: list[PouText] = field(default_factory=list)
     timed: set[str] = field(default_factory=set)
+    """Composites (casefolded) whose bodies are text, so that they release their timers."""
+
+    @property
+    def rename(self) -> bool:
+        """Whether names that are keywords in editors get another spelling."""
+        return self.writer.types.rename
 
     def project(self) -> Project:
         needed = {pou_key(pou) for pou in needed_pous(self.program)}
         found = [c for c in self.writer.stages.symbols.composites
                  if pou_key(c) in needed and c.call is not CallKind.INLINE]
+        for composite in found:
+            if composite.call is CallKind.ENABLED and self.has_timers(composite):
+                self.timed.add(composite.name.casefold())
+        for composite in reversed(found):
+            if composite.name.casefold() in self.timed:
+                self.timed |= {call.name.casefold() for op, call in self.calls(composite)
+                               if op is Op.EXE}
         for composite in found:
             self.prepare(composite)
         for composite in found:
@@ -84,16 +101,8 @@ class _Exporter:
     def prepare(self, composite: Composite) -> None:
         """Decide how a composite is called."""
         key = composite.name.casefold()
-        own, enable = interface(composite)
-        has_timers = any(
-            call is not None and (
-                (instruction.op is Op.CAL and call.name in RELEASED)
-                or (instruction.op is Op.EXE and call.name.casefold() in self.timed))
-            for network in self.writer.code[pou_key(composite)]
-            for instruction in network.code for call in [instruction.call])
-        is_text = composite.call is CallKind.ENABLED and has_timers
-        if is_text:
-            self.timed.add(key)
+        own, enable = interface(composite, rename=self.rename)
+        is_text = key in self.timed
         self.called[key] = Called(pin=enable if is_text else 'EN', references=frozenset(
             p.name.casefold() for p in composite.parameters if self.is_reference(composite, p)))
         ins = [own.own(p.name) for p in composite.parameters
@@ -103,20 +112,32 @@ class _Exporter:
         name = self.writer.types.own(composite.name)
         self.pins[name.casefold()] = ((*([enable] if is_text else []), *ins), tuple(outs))
 
-    def is_reference(self, composite: Composite, parameter: object) -> bool:
+    def calls(self, composite: Composite) -> Iterator[tuple[Op, Call]]:
+        for network in self.writer.code[pou_key(composite)]:
+            for instruction in network.code:
+                if instruction.call is not None:
+                    yield instruction.op, instruction.call
+
+    def has_timers(self, composite: Composite) -> bool:
+        return any(
+            (op is Op.CAL and call.name in RELEASED)
+            or (op is Op.EXE and call.name.casefold() in self.timed)
+            for op, call in self.calls(composite))
+
+    def is_reference(self, composite: Composite, parameter: Parameter) -> bool:
         return self.section(composite, parameter) == 'inOutVars'
 
-    def section(self, composite: Composite, parameter: object) -> str:
-        direction, name = parameter.direction, parameter.name  # type: ignore[attr-defined]
+    def section(self, composite: Composite, parameter: Parameter) -> str:
+        direction = parameter.direction
         if composite.call is CallKind.ENABLED:
             by_value = (direction is Direction.INPUT
                         and composite.name.casefold() not in self.writer.aliased)
-            return 'inputVars' if by_value and name else 'inOutVars'
+            return 'inputVars' if by_value else 'inOutVars'
         return _SECTIONS[direction]
 
     def composite(self, composite: Composite) -> PouText:
         key = composite.name.casefold()
-        own, enable = interface(composite)
+        own, enable = interface(composite, rename=self.rename)
         is_text = key in self.timed
         is_function = composite.call is CallKind.FUNCTION
         declarations = []
@@ -164,8 +185,12 @@ class _Exporter:
 
     # -- bodies -----------------------------------------------------------------------------
 
-    def drawing(self, pous: Sequence[Pou], names: Names, aliased: bool) -> Rung:
+    def drawing(
+        self, pous: Sequence[Pou], names: Names, aliased: bool, starts: Sequence[PouText] = (),
+    ) -> Rung:
         maker = WireMaker(names=names, called=self.called, aliased=aliased)
+        for start in starts:
+            self.call_once(maker, start)
         for pou in pous:
             for aov in self.writer.stages.graphs[pou_key(pou)]:
                 maker.add(aov)
@@ -217,11 +242,10 @@ class _Exporter:
 
     def programs(self) -> tuple[list[RunText], set[str]]:
         once = [body for body in self.program.bodies if body.run is RunKind.ONCE]
-        if once:
-            raise LadderError.of('L0511', once[0].location, form='plcopen',
-                                 what=f'the body {once[0].name}, which runs once at the start')
         groups: dict[str, list[Body]] = {}
         for body in self.program.bodies:
+            if body in once:
+                continue
             is_drawn = not body.statements and not is_imported(body)
             key = body.task.casefold() if is_drawn else f'{body.task.casefold()} {body.name}'
             groups.setdefault(key, []).append(body)
@@ -233,27 +257,82 @@ class _Exporter:
         if len(order) > 1:
             shared |= {v.name.casefold() for v in self.program.variables}
             shared |= {name.casefold() for name, _ in self.program.blocks}
+        shared = {name for name in shared if not is_address(name)}
         taken = Identifiers(frozenset(
             {pou.name.casefold() for pou in self.pous}
             | {v.name.casefold() for v in self.program.variables}))
+        starts = [self.startup(body) for body in once]
+        if once and (not order or is_imported(order[0][0])):
+            raise LadderError.of('L0511', once[0].location, form='plcopen',
+                                 what=f'the body {once[0].name}, which runs once')
         runs = []
         for number, bodies in enumerate(order):
             task = tasks.get(bodies[0].task.casefold())
             name = taken.fresh(bodies[0].name)
-            self.pous.append(self.program_pou(name, bodies, shared))
+            self.pous.append(self.program_pou(
+                name, bodies, shared, starts if number == 0 else ()))
             runs.append(RunText(
                 name=f'instance{number}', pou=name, task=task.name if task else 'task0',
                 interval=task.interval if task else _DEFAULT_INTERVAL,
                 priority=task.priority if task else 0))
         return runs, shared
 
-    def program_pou(self, name: str, bodies: Sequence[Body], shared: set[str]) -> PouText:
-        own = Identifiers(frozenset({name.casefold()}))
+    def startup(self, body: Body) -> PouText:
+        """Make a function block of a body that runs once; it is given the variables it uses."""
+        for rung in body.rungs:
+            for component in rung.components:
+                if isinstance(component, (Block, Instance)) and component.instance:
+                    raise LadderError.of(
+                        'L0511', component.location, form='plcopen',
+                        what=f'{component.instance} in {body.name}, which runs once')
+        own = Identifiers(frozenset({body.name.casefold()}), rename=self.rename)
+        for variable in self.program.variables:
+            own.own(variable.name)
+        names = Names(
+            scope=self.writer.stages.symbols.scopes[pou_key(body)], identifiers=own,
+            types=self.writer.types, scopes=self.writer.stages.symbols.scopes,
+            definitions=self.writer.composites)
+        drawing = self.drawing([body], names, aliased=False)
+        written = {
+            str(operand).casefold() for aov in self.writer.stages.graphs[pou_key(body)]
+            for symbol in aov.symbols for operand in reads_and_writes(symbol)[1]}
+        written = {re.split(r'[.\[{]', path)[0] for path in written}
+        declarations = [
+            Declaration(name=own.own(v.name), type=v.type, section=(
+                'inOutVars' if v.name.casefold() in written else 'inputVars'))
+            for v in self.program.variables if v.name.casefold() in names.used]
+        declarations += self.hidden(names, ())
+        name = self.writer.types.fresh(f'{body.name}_once')
+        self.pins[name.casefold()] = (
+            tuple(d.name for d in declarations if d.section != 'localVars'),
+            tuple(d.name for d in declarations if d.section == 'inOutVars'))
+        pou = PouText(name=name, kind='functionBlock', declarations=tuple(declarations),
+                      body=drawing, comment=body.comment)
+        self.pous.append(pou)
+        return pou
+
+    def call_once(self, maker: WireMaker, pou: PouText) -> None:
+        """Draw the call of what runs once, and the coil that remembers it."""
+        done = maker.names.temporary(DataType.BOOL)
+        instance = maker.names.identifiers.fresh(f'{pou.name}_call')
+        maker.names.hidden[instance] = pou.name
+        power = maker.constant_contact(done, ContactKind.NORMALLY_CLOSED)
+        maker.call(Instance(id='', placement=Placement(x=0, y=0), composite=pou.name,
+                            instance=instance), power,
+                   [(d.name, d.name) for d in pou.declarations if d.section != 'localVars'])
+        maker.coil(Port(), done, CoilKind.SET)
+
+    def program_pou(
+        self, name: str, bodies: Sequence[Body], shared: set[str], starts: Sequence[PouText],
+    ) -> PouText:
+        own = Identifiers(frozenset({name.casefold()}), rename=self.rename)
         first = bodies[0]
         for variable in self.program.variables:
             own.own(variable.name)
         declarations = []
         for variable in self.program.variables:
+            if is_address(variable.name):
+                continue
             if variable.name.casefold() in shared:
                 declarations.append(self.external(variable.name))
             else:
@@ -279,7 +358,7 @@ class _Exporter:
                 if d.name.casefold() not in known]
         else:
             names.declare_instances()
-            body = self.drawing(bodies, names, aliased=False)
+            body = self.drawing(bodies, names, aliased=False, starts=starts)
             declarations += self.hidden(names, external_blocks)
         return PouText(name=name, kind='program', declarations=tuple(declarations), body=body,
                        comment=self.program.specification)

@@ -68,15 +68,19 @@ class StWriter:
     type_lines: list[str] = field(default_factory=list)
 
     @classmethod
-    def of(cls, program: Program) -> StWriter:
-        """Compile a program as far as its instructions.  Raises LadderError."""
+    def of(cls, program: Program, *, rename: bool = True) -> StWriter:
+        """Compile a program as far as its instructions.  Raises LadderError.
+
+        ``rename`` gives names that are keywords elsewhere another spelling.
+        """
         stages = analyse(program)
         if has_errors(stages.diagnostics):
             raise LadderError(stages.diagnostics)
         code = {**lower(build_trees(program, stages)), **stages.texts}
         composites = {c.name.casefold(): c for c in program.composites}
         return cls(program=program, stages=stages, code=code, composites=composites,
-                   aliased=aliased_composites(program, code))
+                   aliased=aliased_composites(program, code),
+                   types=Identifiers(rename=rename), globals=Identifiers(rename=rename))
 
     # -- the file ---------------------------------------------------------------------------
 
@@ -102,7 +106,8 @@ class StWriter:
         is_enabled = composite.call is CallKind.ENABLED
         emitter = self.emitter(names, aliased=False)
         if is_enabled:
-            sections['VAR_INPUT'] = [f'{interface(composite)[1]} : BOOL;']
+            _, enable = interface(composite, rename=self.types.rename)
+            sections['VAR_INPUT'] = [f'{enable} : BOOL;']
         for parameter in composite.parameters:
             reference = is_enabled and emitter.by_reference(composite, parameter.name)
             section = 'VAR_IN_OUT' if reference else {
@@ -125,7 +130,7 @@ class StWriter:
 
     def composite_body(self, composite: Composite) -> tuple[Names, list[str]]:
         """Return the names and statements of a composite's FUNCTION_BLOCK."""
-        own, enable = interface(composite)
+        own, enable = interface(composite, rename=self.types.rename)
         names = Names(scope=self.stages.symbols.scopes[pou_key(composite)], identifiers=own,
                       types=self.types, scopes=self.stages.symbols.scopes,
                       definitions=self.composites)
@@ -203,6 +208,7 @@ class StWriter:
         if len(groups) > 1:
             used = {v.name.casefold() for v in self.program.variables}
             used |= {name.casefold() for name, _ in self.program.blocks}
+        used = {name for name in used if not is_address(name)}
         instances: list[tuple[str, str]] = []
         pous = Identifiers(frozenset(
             self.types.own(c.name).casefold() for c in self.program.composites))
@@ -244,6 +250,8 @@ class StWriter:
                 emitter.put('END_IF;')
         sections: dict[str, list[str]] = {}
         for variable in self.program.variables:
+            if is_address(variable.name):
+                continue
             line = self.declaration(names, variable, variable.initial)
             section = _section(variable)
             if variable.name.casefold() in shared:

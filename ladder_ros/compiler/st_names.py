@@ -17,7 +17,7 @@ from ladder_ros.model.derived import leaves
 from ladder_ros.model.program import CallKind, Composite
 from ladder_ros.model.types import DataType, default_value, format_literal, format_time, Value
 
-_WORDS = '''
+_WORDS = """
     ABS ACTION AND ANDN ANY ARRAY AT BEGIN BOOL BY BYTE CAL CALC CALCN CASE CD CONFIGURATION
     CONSTANT CU DATE DATE_AND_TIME DINT DO DT DWORD ELSE ELSIF EN END END_ACTION END_CASE
     END_CONFIGURATION END_FOR END_FUNCTION END_FUNCTION_BLOCK END_IF END_PROGRAM END_REPEAT
@@ -29,15 +29,23 @@ _WORDS = '''
     TIME_OF_DAY TO TOD TRANSITION TRUE TYPE UDINT UINT ULINT UNTIL USINT VAR VAR_ACCESS
     VAR_CONFIG VAR_EXTERNAL VAR_GLOBAL VAR_IN_OUT VAR_INPUT VAR_OUTPUT VAR_TEMP WHILE WITH
     WORD WSTRING XOR XORN CLK
-'''
+"""
 KEYWORDS = frozenset(re.findall(r'\w+', _WORDS))
 """Words that no identifier may be; pins of the standard blocks among them, to be safe."""
+
+SURE = frozenset({
+    'ADD', 'SUB', 'MUL', 'MOVE', 'AND', 'OR', 'XOR', 'NOT', 'MAX', 'MIN', 'LIMIT', 'SEL', 'ABS',
+    'LEN', 'CONCAT', 'FIND', 'ADD_TIME', 'SUB_TIME',
+})
+"""Functions that have no arithmetic error: their ENO is EN."""
 
 
 class Identifiers:
     """Gives every thing of one name space an identifier of its own."""
 
-    def __init__(self, taken: frozenset[str] = frozenset()) -> None:
+    def __init__(self, taken: frozenset[str] = frozenset(), *, rename: bool = True) -> None:
+        """Begin with names that are taken; without ``rename`` the user's names are kept."""
+        self.rename = rename
         self._taken = set(taken)
         self._known: dict[str, str] = {}
 
@@ -45,7 +53,8 @@ class Identifiers:
         """Return the identifier of a name of the user: the name itself where that can be."""
         key = name.casefold()
         if key not in self._known:
-            self._known[key] = self.fresh(name)
+            self._known[key] = self.fresh(name) if self.rename else name
+            self._taken.add(self._known[key].casefold())
         return self._known[key]
 
     def fresh(self, wanted: str) -> str:
@@ -85,6 +94,8 @@ class Names:
     hidden: dict[str, str] = field(default_factory=dict)
     instances: dict[str, tuple[str, Composite | None]] = field(default_factory=dict)
     """Block and composite instances by casefolded path: identifier and composite."""
+    used: set[str] = field(default_factory=set)
+    """Casefolded names of the scope's variables that were asked for."""
     _paths: dict[str, str] = field(default_factory=dict)
 
     def declare_instances(self) -> None:
@@ -146,10 +157,12 @@ class Names:
                 return f'{name}.{rest}'
             head = re.match(r'[^.\[]+', rest)
             assert head is not None
-            return f'{name}.{interface(composite)[0].own(head[0])}{rest[head.end():]}'
+            own, _ = interface(composite, rename=self.types.rename)
+            return f'{name}.{own.own(head[0])}{rest[head.end():]}'
         head = re.match(r'[^.\[]+', path)
         assert head is not None
         if '%' not in path and head[0].casefold() in self.scope.symbols:
+            self.used.add(head[0].casefold())
             return self.identifiers.own(head[0]) + path[head.end():]
         key = self._key(path)
         if path.startswith('%T'):
@@ -167,9 +180,9 @@ class Names:
         return self.identifiers.own(path) if simple else self.identifiers.fresh(path)
 
 
-def interface(composite: Composite) -> tuple[Identifiers, str]:
+def interface(composite: Composite, *, rename: bool = True) -> tuple[Identifiers, str]:
     """Return the identifiers of a composite's own names, and that of its enabling input."""
-    own = Identifiers(frozenset({composite.name.casefold()}))
+    own = Identifiers(frozenset({composite.name.casefold()}), rename=rename)
     for name in composite.externals:
         if not is_address(name):
             own.own(name)

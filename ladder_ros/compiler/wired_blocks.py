@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from ladder_ros.compiler.il import Instruction, Op
@@ -140,7 +140,7 @@ class WiredBlocks:
                                      reason='give the block an instance name')
                 return None
             return Callee(name=composite.name, composite=composite, instance=instance)
-        kind = CATALOGUE.get(type_.upper())
+        kind = CATALOGUE.get(type_.upper()) if isinstance(component, Block) else None
         if kind is None:
             pins = ', '.join(dict.fromkeys(
                 [*self.connections.pins.get(component.id, ()), *self._output_pins(component.id)]))
@@ -414,11 +414,25 @@ class WiredBlocks:
                 inputs[pin.name] = value
         self._complete(block, callee, kind, inputs, {pin for pin, _ in powered})
         ordered = sorted(inputs.items(), key=lambda item: _pin_rank(kind, item[0]))
+        prelude += self._stores(callee, inputs, {pin for pin, _ in powered})
         return WiredCall(
             resolved=Resolved(inputs=tuple(ordered), type=generic, block=kind.name,
                               outputs=self._hidden_outputs(block, kind, generic)),
             prelude=tuple(prelude), powered=tuple(powered), main=callee.main,
             instance=callee.instance, is_composite=False, touches=())
+
+    def _stores(
+        self, callee: Callee, inputs: Mapping[str, Operand], powered: set[str],
+    ) -> Iterator[Instruction]:
+        """Yield what keeps the inputs of a block that something reads by name (``t1.IN``)."""
+        for pin, value in inputs.items() if callee.instance else ():
+            target = Ref(path=f'{callee.instance}.{pin}', type=value.type)
+            if pin.casefold() in self.lowering.read_fields and value != target:
+                yield Instruction(op=Op.MOV, operand=value, target=target)
+        main = callee.main
+        if callee.instance and main in powered and main.casefold() in self.lowering.read_fields:
+            yield Instruction(op=Op.ST, operand=Ref(
+                path=f'{callee.instance}.{main}', type=DataType.BOOL))
 
     def _complete(
         self, block: Block, callee: Callee, kind: BlockKind, inputs: dict[str, Operand],

@@ -268,6 +268,10 @@ class _Builder:
                 return self._copy(before, taker)
             eno = self.blocks.eno_sources(port)
             return _Giver(joined=tuple(self._giver(source, taker) for source in eno))
+        if variable.type is not DataType.BOOL:
+            self.lowering.report('L0204', taker.location, name=str(variable),
+                                 actual=variable.type, expected=DataType.BOOL)
+            return _Giver(symbol=-1)
         contact = Contact(
             id=f'{port.component}_{port.pin}_{taker.id}', operand=str(variable),
             placement=taker.placement, location=taker.location)

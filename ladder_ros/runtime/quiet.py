@@ -27,8 +27,8 @@ class Quiet:
     """Settings of the whole process while anyone wants them.
 
     Work beside a scan thread wants short turns and small collections.  Who runs scans wants full
-    collections to be rare, and to leave out what was there at the start: they look at every object,
-    those of all modules too, for tens of milliseconds in which nothing else runs.
+    collections to be rare, and to leave out what was there at the start: they look at every
+    object, those of all modules too, for tens of milliseconds in which nothing else runs.
     """
 
     def __init__(self) -> None:

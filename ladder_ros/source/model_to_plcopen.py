@@ -36,7 +36,7 @@ from ladder_ros.model.derived import (
     Subrange,
     Type,
 )
-from ladder_ros.model.program import Rung, Wire
+from ladder_ros.model.program import Order, Rung, Wire
 from ladder_ros.model.types import DataType, format_literal, NS_PER_MS, Value
 
 RAIL_X = 20
@@ -258,10 +258,10 @@ class _Writer:
                '<connectionPointOut formalParameter=""><relPosition x="3" y="20"/>'
                '</connectionPointOut></leftPowerRail>')
         shapes = _Shapes(ids=ids, wires=wires, places=places, pins=pins, project=self.project)
-        order = 0
+        is_numbered, order = rung.order is Order.DOCUMENT, 0
         for component in rung.components:
             number = 0
-            if isinstance(component, (Coil, OutVariable, Block, Instance)):
+            if is_numbered and isinstance(component, (Coil, OutVariable, Block, Instance)):
                 order += 1
                 number = order
             yield from shapes.component(component, number)

@@ -7,9 +7,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from compiler.agreement import assert_same, Machine
 from support.plcopen import element, ladder, NAMESPACE, read, variable
 
+from compiler.agreement import assert_same, Machine
 from ladder_ros.compiler.pipeline import BACKENDS
 from ladder_ros.model.program import Order, Program
 from ladder_ros.model.types import NS_PER_MS, Value

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from compiler.imported_programs import (
     block,
     element,
@@ -14,8 +16,6 @@ from compiler.imported_programs import (
     variables,
     wired,
 )
-import pytest
-
 from ladder_ros.model.types import NS_PER_MS
 
 MS = NS_PER_MS
@@ -39,7 +39,8 @@ def test_edge_contact_when_scanned_then_is_a_trigger_with_a_memory_of_false(
 def test_edge_contact_when_power_does_not_reach_it_then_it_watches_its_variable_all_the_same(
 ) -> None:
     run = Run(program(
-        element('contact', 1, [0], 'on') + element('contact', 2, [1], 'a', attributes='edge="rising"')
+        element('contact', 1, [0], 'on')
+        + element('contact', 2, [1], 'a', attributes='edge="rising"')
         + element('coil', 3, [2], 'q'), variables(on='BOOL', a='BOOL', q='BOOL')))
     run.scan(a=True, on=False)
     assert run.scan(a=True, on=True)['q'] is False
@@ -144,7 +145,8 @@ def test_eno_of_function_block_when_en_is_false_then_what_follows_is_off() -> No
 
 def test_eno_of_function_block_when_en_is_open_then_what_follows_is_on() -> None:
     run = Run(program(
-        element('contact', 1, [0], 'a') + block('R_TRIG', 3, [pin('CLK', 1)], ['ENO', 'Q'], name='r')
+        element('contact', 1, [0], 'a')
+        + block('R_TRIG', 3, [pin('CLK', 1)], ['ENO', 'Q'], name='r')
         + wired('coil', 4, '3.ENO', 'ok'), variables(a='BOOL', ok='BOOL')))
     assert run.trace('ok', 'a', '010') == '111'
 
@@ -198,7 +200,8 @@ def test_block_when_only_a_second_pin_has_power_then_the_first_keeps_its_value()
 
 def test_boolean_function_when_its_pins_take_power_then_it_combines_them() -> None:
     run = Run(program(
-        element('contact', 1, [0], 'a') + element('contact', 2, [0], 'b', attributes='negated="true"')
+        element('contact', 1, [0], 'a')
+        + element('contact', 2, [0], 'b', attributes='negated="true"')
         + block('XOR', 3, [pin('IN1', 1), pin('IN2', 2)], ['OUT'])
         + wired('coil', 4, '3.OUT', 'q'), variables(a='BOOL', b='BOOL', q='BOOL')))
     assert [run.scan(a=a, b=b)['q'] for a in (False, True) for b in (False, True)] == [

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from compiler.agreement import Machine
 from compiler.imported_programs import (
     block,
@@ -18,9 +20,9 @@ from compiler.imported_programs import (
     wired,
     with_order,
 )
-import pytest
-
-from ladder_ros.compiler.pipeline import BACKENDS, compile_program
+from ladder_ros.compiler.dump import with_drawings
+from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
+from ladder_ros.drawing.rung_text import draw_program
 from ladder_ros.executable import SlotClass
 from ladder_ros.model.program import Order
 from ladder_ros.model.types import NS_PER_MS
@@ -245,3 +247,39 @@ def test_external_when_a_function_block_writes_it_then_the_caller_sees_it() -> N
     run = Run(read(writer + caller, instances=configuration(
         task('t', 'T#20ms', 0, 'm:P'), variables('globalVars', flag='BOOL'))))
     assert run.trace('q', 'a', '0110') == '0110'
+
+
+# -- what is said of a drawing --------------------------------------------------------------------
+
+def test_instance_when_declared_as_another_type_than_drawn_then_both_are_named() -> None:
+    found = check_program(program(
+        element('contact', 1, [0], 'a') + block('TON', 2, [pin('IN', 1)], name='t'),
+        variables(a='BOOL', t='<derived name="TOF"/>')))
+    errors = [diagnostic for diagnostic in found if diagnostic.code == 'L0213']
+    assert len(errors) == 1 and 'TOF' in errors[0].message and 'TON' in errors[0].message
+
+
+def test_variable_when_its_type_is_a_function_then_it_is_no_block() -> None:
+    given = program(element('coil', 1, [0], 'q'),
+                    variables(q='BOOL', t='<derived name="ADD"/>'))
+    assert Run(given).scan()['q'] is True
+
+
+@pytest.mark.parametrize('order', Order)
+def test_drawing_when_shown_then_its_order_is_told(order: Order) -> None:
+    shown = draw_program(with_drawings(with_order(program(
+        element('coil', 1, [0], 'q', x=9), variables(q='BOOL')), order)))
+    assert f'order {order.value}' in shown
+
+
+def test_function_block_when_shown_then_it_says_that_it_holds() -> None:
+    shown = draw_program(with_drawings(program(
+        block('Hold', 1, [pin('on', 0)], name='h'), variables(a='BOOL'), pous=ladder(
+            element('coil', 1, [0], 'q'), variables=variables('inputVars', on='BOOL')
+            + variables('outputVars', q='BOOL'), name='Hold', kind='functionBlock'))))
+    assert 'composite Hold (block, holds while EN is FALSE' in shown
+
+
+def test_program_when_drawn_as_a_block_in_itself_then_it_is_refused_by_name() -> None:
+    found = check_program(program(block('P', 1, [pin('EN', 0)], [], name='p')))
+    assert [d.code for d in found if d.severity.value == 'error'] == ['L0208']

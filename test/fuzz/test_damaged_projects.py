@@ -14,9 +14,9 @@ from pathlib import Path
 import random
 import sys
 
-from fuzz.mutations import mutate
 import pytest
 
+from fuzz.mutations import mutate
 from ladder_ros.compiler.pipeline import BACKENDS, compile_program
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.types import NS_PER_MS

@@ -12,7 +12,7 @@ import random
 import shutil
 from typing import Any
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 import pytest
 from support.openplc import block, bools, configuration, ladder, links, Node, pou, save
@@ -335,6 +335,7 @@ def change_text(rnd: random.Random) -> tuple[str, str]:
 
 
 @pytest.mark.parametrize('change', [change_body, change_project, change_text])
+@settings(max_examples=60)
 @given(rnd=st.randoms(use_true_random=False))
 def test_project_when_it_is_mutated_then_a_program_or_diagnostics_come_out(
     tmp_path_factory: pytest.TempPathFactory, rnd: random.Random,

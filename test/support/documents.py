@@ -28,7 +28,7 @@ from ladder_ros.cli.main import main
 
 ROOT = Path(__file__).resolve().parents[2]
 _FENCE = re.compile(r'^```([^\n`]*)\n(.*?)^```$', re.MULTILINE | re.DOTALL)
-_FILE_NAME = re.compile(r'`([\w.-]+\.\w+)`(?:[^`\n]|\n(?!\n))*:\s*\Z')
+_FILE_NAME = re.compile(r'`([\w-][\w./-]*\.\w+)`(?:[^`\n]|\n(?!\n))*:\s*\Z')
 _LINK = re.compile(r'\]\(([^()\s]+)\)')
 
 
@@ -79,7 +79,9 @@ def rewritten(
         elif fence.language == 'text' and result is not None:
             text = _ended(result(folder))
         elif fence.file:
-            (folder / fence.file).write_text(text, encoding='utf-8')
+            path = folder / fence.file
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding='utf-8')
         pieces += [page[position:fence.start], text]
         position = fence.end
     return ''.join([*pieces, page[position:]])

@@ -71,8 +71,9 @@ VALUES: dict[DataType, Sequence[Value]] = {
     TIME: (0, 5 * NS_PER_MS, 12 * NS_PER_MS),
     STRING: ('', 'a', 'b'),
 }
-FUNCTION_BLOCKS = tuple(name for name, kind in CATALOGUE.items() if not kind.is_function)
-FUNCTIONS = tuple(name for name, kind in CATALOGUE.items() if kind.is_function)
+FUNCTION_BLOCKS = (
+    'TON', 'TOF', 'TP', 'CTU', 'CTD', 'CTUD', 'R_TRIG', 'F_TRIG', 'SR', 'RS')
+FUNCTIONS = ('MOVE', 'ADD', 'SUB', 'MUL', 'DIV', 'GT', 'GE', 'EQ', 'LE', 'LT', 'NE')
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,0 +1,177 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What is exported to PLCopen and Structured Text is read back and does the same."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from random import Random
+import re
+from unittest import mock
+
+from hypothesis import given, HealthCheck, settings
+from hypothesis import strategies as st
+import pytest
+from support import random_rungs
+from support.random_rungs import Case, random_case, Wishes
+
+from compiler.agreement import assert_same, Machine
+from ladder_ros.compiler.program_to_plcopen import write_plcopen
+from ladder_ros.compiler.program_to_st import write_st
+from ladder_ros.diagnostics import LadderError
+from ladder_ros.executable import SlotClass
+from ladder_ros.model.program import Program, RunKind
+from ladder_ros.model.types import DataType, Value
+from ladder_ros.source.plcopen_to_model import parse_project
+from ladder_ros.source.read_any import read_any
+from ladder_ros.source.st_to_model import parse_st
+from ladder_ros.source.xml_to_model import parse_program
+
+ROOT = Path(__file__).resolve().parents[2]
+PROGRAMS = sorted((ROOT / 'programs').glob('*.xml'))
+IMPORTED = [ROOT / 'test' / 'cases' / 'plcopen' / f'{name}.xml'
+            for name in ('editor', 'several_programs', 'types', 'v4_build')]
+
+Form = tuple[Callable[[Program], str], Callable[[bytes, str], Program]]
+FORMS: dict[str, Form] = {
+    'plcopen': (write_plcopen, parse_project),
+    'st': (write_st, parse_st),
+}
+BLOCKS = ('TON', 'TOF', 'TP', 'CTU', 'CTD', 'CTUD', 'R_TRIG', 'F_TRIG', 'SR', 'RS')
+FUNCTIONS = ('ADD', 'SUB', 'MUL', 'DIV', 'MOD', 'MOVE', 'GT', 'GE', 'EQ', 'LE', 'LT', 'NE', 'MAX',
+             'MIN', 'LIMIT', 'AND', 'OR', 'XOR', 'NOT', 'ABS')
+
+
+@contextmanager
+def usual_blocks() -> Iterator[None]:
+    """Draw with the blocks that a rung of random variables can use."""
+    with mock.patch.object(random_rungs, 'FUNCTION_BLOCKS', BLOCKS), \
+            mock.patch.object(random_rungs, 'FUNCTIONS', FUNCTIONS):
+        yield
+
+
+def there_and_back(program: Program, form: str) -> Program:
+    write, read = FORMS[form]
+    return read(write(program).encode(), f'exported.{form}')
+
+
+def random_value(rng: Random, type_: DataType) -> Value:
+    if type_ is DataType.BOOL:
+        return rng.random() < 0.5
+    if type_ is DataType.STRING:
+        return rng.choice(['', 'a', 'bc'])
+    if type_ is DataType.TIME:
+        return rng.choice([0, 5_000_000, 10**9])
+    value = rng.choice([0, 1, 2, 50])
+    return float(value) if type_.is_real else value
+
+
+def run(machine: Machine, now: int, first: bool) -> None:
+    entries = machine.executable.entries
+    for entry in sorted(entries, key=lambda e: (not e.once, e.priority)):
+        if first or not entry.once:
+            machine.run(entry.name, now)
+
+
+def assert_same_runs(before: Program, after: Program, scans: int = 100) -> None:
+    """Run both on the same random inputs; compare the variables that both have."""
+    __tracebackhide__ = True
+    first, second = Machine(before), Machine(after)
+    slots = [s for s in first.executable.slots
+             if s.slot_class in (SlotClass.INPUT, SlotClass.OUTPUT, SlotClass.LOCAL)
+             and re.fullmatch(r'\w+', s.path) and second.executable.slot(s.path)]
+    assert slots, 'there is something to compare'
+    inputs = [s for s in slots if s.slot_class is SlotClass.INPUT] or [
+        s for s in slots if s.type is DataType.BOOL]
+    rng, now = Random(1), 0
+    for number in range(scans):
+        for slot in inputs:
+            if rng.random() < 0.2:
+                value = random_value(rng, slot.type)
+                first.write(**{slot.path: value})
+                second.write(**{slot.path: value})
+        run(first, now, number == 0)
+        run(second, now, number == 0)
+        assert_same({s.path: second[s.path] for s in slots},
+                    {s.path: first[s.path] for s in slots}, f'scan {number}')
+        now += rng.choice([1, 10, 100, 1000]) * 1_000_000
+
+
+def assert_same_history(case: Case, form: str) -> None:
+    __tracebackhide__ = True
+    first, second = Machine(case.program), Machine(there_and_back(case.program, form))
+    names = [v.name for v in case.program.variables]
+    for number, (now, written) in enumerate(case.scans):
+        for machine in (first, second):
+            machine.write(**written)
+            run(machine, now, number == 0)
+        assert_same({n: second[n] for n in names}, {n: first[n] for n in names},
+                    f'{form}, scan {number}')
+
+
+@pytest.mark.parametrize('form', FORMS)
+@pytest.mark.parametrize('path', PROGRAMS, ids=lambda path: path.stem)
+def test_example_when_exported_and_read_back_then_runs_the_same(path: Path, form: str) -> None:
+    program = read_any(path)
+    assert_same_runs(program, there_and_back(program, form))
+
+
+@pytest.mark.parametrize('form', FORMS)
+@pytest.mark.parametrize('path', IMPORTED, ids=lambda path: path.stem)
+def test_imported_when_exported_and_read_back_then_runs_the_same(path: Path, form: str) -> None:
+    program = read_any(path)
+    assert_same_runs(program, there_and_back(program, form))
+
+
+@pytest.mark.parametrize('form', FORMS)
+@given(st.integers(min_value=0, max_value=10**9))
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+def test_random_program_when_exported_and_read_back_then_runs_the_same(
+    form: str, seed: int,
+) -> None:
+    with usual_blocks():
+        case = random_case(Random(seed), Wishes())
+    starts = [body for body in case.program.bodies if body.run is RunKind.ONCE]
+    if form == 'plcopen' and starts:
+        try:
+            write_plcopen(case.program)
+        except LadderError as error:  # a block in what runs once
+            assert [d.code for d in error.diagnostics] == ['L0511']
+            return
+    assert_same_history(case, form)
+
+
+def test_st_when_names_are_keywords_then_others_are_taken() -> None:
+    program = parse_program(
+        b'<ladder version="1" name="p"><variables>'
+        b'<variable name="on" class="input" type="BOOL"/>'
+        b'<variable name="end" class="output" type="BOOL"/></variables>'
+        b'<body name="main"><rung id="1" width="2"><contact id="a" x="0" y="0" operand="on"/>'
+        b'<coil id="b" x="1" y="0" operand="end"/></rung></body></ladder>', 'p.xml')
+    text = write_st(program)
+    assert 'on_2 : BOOL; (* on *)' in text
+    assert 'end_2 := on_2;' in text
+
+
+def test_plcopen_when_the_reader_goes_by_position_then_order_is_the_same() -> None:
+    text = re.sub(r' executionOrderId="\d+"', '', write_plcopen(
+        read_any(ROOT / 'programs' / 'elevator_3_floor_flat.xml')))
+    assert 'executionOrderId' not in text
+    assert_same_runs(read_any(ROOT / 'programs' / 'elevator_3_floor_flat.xml'),
+                     parse_project(text.encode(), 'p.xml'))
+
+
+def test_plcopen_when_a_block_runs_once_then_l0511() -> None:
+    program = parse_program(
+        b'<ladder version="1" name="p"><variables>'
+        b'<variable name="a" class="output" type="BOOL"/></variables>'
+        b'<body name="startup" run="once"><rung id="1" width="3">'
+        b'<block id="t" x="0" y="0" width="2" type="R_TRIG" instance="t1"/>'
+        b'<coil id="b" x="2" y="0" operand="a"/></rung></body>'
+        b'<body name="main"><rung id="1" width="1"><coil id="b" x="0" y="0" operand="a"/></rung>'
+        b'</body></ladder>', 'p.xml')
+    with pytest.raises(LadderError) as caught:
+        write_plcopen(program)
+    assert [d.code for d in caught.value.diagnostics] == ['L0511']
