@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+import time
 from typing import Any
 
 from rclpy.duration import Duration
@@ -28,6 +29,9 @@ from ladder_ros.executable import Executable
 from ladder_ros.model.types import Value
 from ladder_ros.ros.io_map import Endpoint, InputPoint, IoMap, OutputPoint
 from ladder_ros.ros.reception import Input, NOTHING, Reception, Source, Write
+
+DELIVERY_SECONDS = 0.5
+"""So long a publisher is kept for its last values to reach those who listen."""
 
 
 def make_qos(endpoint: Endpoint) -> QoSProfile:
@@ -242,18 +246,23 @@ class Bindings:
         """Publish the safe values; the next scan publishes what differs from them again."""
         self._publish_safe(self._plan.outputs.values())
 
-    def wait_for_delivery(self, seconds: float) -> None:
+    def wait_for_delivery(self) -> None:
         """Give the middleware time to hand over the safe values."""
-        for output in self._plan.outputs.values():
+        self._wait_for_delivery(self._plan.outputs.values())
+
+    # Helpers
+
+    def _wait_for_delivery(self, outputs: Iterable[Output]) -> None:
+        deadline = time.monotonic() + DELIVERY_SECONDS
+        for output in outputs:
             if output.point.safe is None or output.point.endpoint.qos == 'sensor_data':
                 continue
+            left = max(deadline - time.monotonic(), 0.001)
             try:
-                output.channel.publisher.wait_for_all_acked(Duration(seconds=seconds))
+                output.channel.publisher.wait_for_all_acked(Duration(seconds=left))
             except Exception as error:  # not every middleware can; nothing is lost by it
                 self._warn(f'cannot wait for delivery: {error}')
                 return
-
-    # Helpers
 
     @staticmethod
     def _publish_safe(outputs: Iterable[Output]) -> None:
@@ -332,6 +341,9 @@ class Bindings:
     def _destroy(self, dropped: Iterable[Plan]) -> None:
         """Destroy the entities of plans that no present plan uses."""
         used = self._used()
+        self._wait_for_delivery(  # safe values are lost with their publishers otherwise
+            output for plan in dropped for endpoint, output in plan.outputs.items()
+            if endpoint not in used)
         for plan in dropped:
             for endpoint in plan.entities() - used:
                 used.add(endpoint)  # another dropped plan may have it too

@@ -11,12 +11,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 import signal
 import sys
+import textwrap
 import threading
 from types import FrameType
 
 from ladder_ros import __version__
 from ladder_ros.diagnostics import has_errors, InternalError, LadderError, render
 from ladder_ros.ros.parameters import IO_RULES, read_settings, RULES
+from ladder_ros.ros.reasons import reason_of
 
 USAGE = """\
 usage: plc_node [PROGRAM] [--ros-args ...]
@@ -40,15 +42,21 @@ Source a ROS 2 installation (source /opt/ros/jazzy/setup.bash), or install them 
 def usage() -> str:
     """Return the help text."""
     lines = [USAGE, 'parameters (-p name:=value, or a YAML file):']
-    lines += [f'  {rule.name:<21} {rule.description}' for rule in RULES]
+    lines += [_entry(rule.name, 24, rule.description) for rule in RULES]
     lines += ['', 'the I/O map, one entry a variable:']
-    lines += [f'  io.<variable>.{rule.name:<12} {rule.description}' for rule in IO_RULES]
+    lines += [_entry(f'io.<variable>.{rule.name}', 28, rule.description) for rule in IO_RULES]
     lines += ['', 'services (std_srvs/srv/Trigger): ~/reload ~/preflight ~/test ~/untest ~/accept',
               '  ~/shadow ~/end_shadow ~/start ~/stop ~/reset ~/record ~/end_record,',
               'and those of a managed node (ros2 lifecycle)',
               'topics: ~/state ~/change ~/shadow ~/monitor (std_msgs/msg/String, JSON),',
               '  /diagnostics']
     return '\n'.join(lines)
+
+
+def _entry(name: str, column: int, text: str) -> str:
+    return textwrap.fill(
+        text, 98, initial_indent=f'  {name}'.ljust(column) + ' ',
+        subsequent_indent=' ' * (column + 1))
 
 
 def main(args: Sequence[str] | None = None) -> int:
@@ -146,7 +154,7 @@ def _refuse(text: str) -> int:
 
 
 def _sentence(error: Exception) -> str:
-    return f'{type(error).__name__}: {" ".join(str(error).split())}'
+    return f'{type(error).__name__}: {reason_of(error)}'
 
 
 if __name__ == '__main__':

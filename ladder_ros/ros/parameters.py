@@ -19,6 +19,7 @@ from typing import Any
 
 from ladder_ros.diagnostics import Diagnostic, Location, problem
 from ladder_ros.model.types import NS_PER_S
+from ladder_ros.session import BACKENDS, DEFAULT_BACKEND
 
 Raw = bool | int | float | str
 """A scalar as it stands in a parameter file."""
@@ -66,8 +67,8 @@ RULES: tuple[Rule, ...] = (
     Rule(name='scan_period', kind=float, default=0.0, low=0.0, least=0.0005, high=60.0,
          description='Seconds between scans; 0: as the program says, or 0.01 where it says '
                      'nothing.'),
-    Rule(name='backend', kind=str, default='python', description=(
-        'What executes the compiled program: python or interpreter.')),
+    Rule(name='backend', kind=str, default=DEFAULT_BACKEND, choices=tuple(BACKENDS), description=(
+        f'What executes the compiled program: {" or ".join(BACKENDS)}.')),
     Rule(name='autostart', kind=bool, default=True, description=(
         'Whether the node configures and activates itself, so that scanning starts with it; '
         'otherwise a lifecycle manager does that, or ~/start.')),

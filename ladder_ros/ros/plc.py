@@ -27,6 +27,7 @@ from ladder_ros.ros.loading import Prepared
 from ladder_ros.ros.monitor import Monitor, view
 from ladder_ros.ros.parameters import Declaration, Settings
 from ladder_ros.ros.program_source import first_program, next_program, ProgramFolders
+from ladder_ros.ros.reasons import reason_of
 from ladder_ros.ros.services import serve
 from ladder_ros.ros.sim_clock import RosTimeClock
 from ladder_ros.ros.status import (
@@ -466,7 +467,7 @@ class Plc:
         try:
             return str(self._node.resolve_topic_name(topic))
         except Exception as error:  # several classes, all of them say what is wrong
-            raise ValueError(' '.join(str(error).split())) from None
+            raise ValueError(reason_of(error)) from None
 
     def _follow_clock(self) -> RosTimeClock | None:
         """Subscribe to /clock under use_sim_time."""

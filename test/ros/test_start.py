@@ -29,7 +29,7 @@ def file(tmp_path: Path) -> Path:
 @pytest.mark.parametrize(('parameters', 'said'), [
     ({'scan_period': 'fast'}, ['L0604', 'parameter scan_period', "'fast'", 'write 0, or']),
     ({'autostart': 3}, ['L0604', 'parameter autostart', 'true or false']),
-    ({'backend': 'fortran'}, ['L0504', 'fortran', 'python']),
+    ({'backend': 'fortran'}, ['L0604', 'fortran', 'python']),
     ({'io': {'nothing': {'topic': 'x'}}}, ['L0601', 'nothing', 'there are a, b']),
     ({'io': {'a': {'type': 'std_msgs/msg/String'}}}, ['L0602', 'std_msgs/msg/Bool']),
     ({'io': {'a': {'topic': 'no topic!'}}}, ['L0603', 'no topic!']),
