@@ -26,6 +26,7 @@ KINDS: tuple[ResourceKind, ...] = get_args(ResourceKind)
 
 # The rosdep key of each library that the package imports, where it is not the library's own name.
 ROSDEP_KEYS = {
+    'lark': 'python3-lark-parser',
     'lxml': 'python3-lxml',
     'typing_extensions': 'python3-typing-extensions',
     'yaml': 'python3-yaml',

@@ -183,7 +183,7 @@ class _Statements:
             return None
         if composite is not None or kind is not None:
             self.lowering.report(
-                'L0216', statement.location, name=target.name, what='needs',
+                'L0216', statement.location, name=target.name, what='needs an instance name',
                 reason='declare a variable of this type and call that')
         else:
             self.lowering.report('L0203', statement.location, name=target.name, hint=suggestion(

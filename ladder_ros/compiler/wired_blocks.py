@@ -136,7 +136,8 @@ class WiredBlocks:
             if composite.call is CallKind.FUNCTION:
                 instance = self.lowering.call_instance()
             elif not instance:
-                self.lowering.report('L0216', component.location, name=type_, what='needs',
+                self.lowering.report('L0216', component.location, name=type_,
+                                     what='needs an instance name',
                                      reason='give the block an instance name')
                 return None
             return Callee(name=composite.name, composite=composite, instance=instance)
@@ -149,7 +150,8 @@ class WiredBlocks:
                                      type_, [*CATALOGUE, *self.lowering.composites]))
             return None
         if not kind.is_function and not component.instance:
-            self.lowering.report('L0216', component.location, name=kind.name, what='needs',
+            self.lowering.report('L0216', component.location, name=kind.name,
+                                 what='needs an instance name',
                                  reason='give the block an instance name')
             return None
         wired = {pin.casefold() for pin in self.connections.pins.get(component.id, ())}

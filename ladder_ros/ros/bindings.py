@@ -246,14 +246,14 @@ class Bindings:
         """Publish the safe values; the next scan publishes what differs from them again."""
         self._publish_safe(self._plan.outputs.values())
 
-    def wait_for_delivery(self, seconds: float) -> None:
+    def wait_for_delivery(self) -> None:
         """Give the middleware time to hand over the safe values."""
-        self._wait_for_delivery(self._plan.outputs.values(), seconds)
+        self._wait_for_delivery(self._plan.outputs.values())
 
     # Helpers
 
-    def _wait_for_delivery(self, outputs: Iterable[Output], seconds: float) -> None:
-        deadline = time.monotonic() + seconds
+    def _wait_for_delivery(self, outputs: Iterable[Output]) -> None:
+        deadline = time.monotonic() + DELIVERY_SECONDS
         for output in outputs:
             if output.point.safe is None or output.point.endpoint.qos == 'sensor_data':
                 continue
@@ -341,11 +341,9 @@ class Bindings:
     def _destroy(self, dropped: Iterable[Plan]) -> None:
         """Destroy the entities of plans that no present plan uses."""
         used = self._used()
-        dropped = list(dropped)
-        # A safe value that was just published would be lost with its publisher.
-        self._wait_for_delivery(
-            (output for plan in dropped for endpoint, output in plan.outputs.items()
-             if endpoint not in used), DELIVERY_SECONDS)
+        self._wait_for_delivery(  # safe values are lost with their publishers otherwise
+            output for plan in dropped for endpoint, output in plan.outputs.items()
+            if endpoint not in used)
         for plan in dropped:
             for endpoint in plan.entities() - used:
                 used.add(endpoint)  # another dropped plan may have it too

@@ -204,7 +204,7 @@ class Cell:
         """Stop for good, and leave the safe values of the outputs behind."""
         self.session.close()
         self.bindings.publish_safe()
-        self.bindings.wait_for_delivery(0.5)
+        self.bindings.wait_for_delivery()
         self.bindings.close()
 
     # Forces

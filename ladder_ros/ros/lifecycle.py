@@ -17,6 +17,7 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 from rclpy.lifecycle.managed_entity import ManagedEntity
 
 from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.ros.reasons import reason_of
 
 
 class Phase(Enum):
@@ -48,7 +49,7 @@ def make_node(name: str, **options: Any) -> Any:
         except Exception as error:  # would end the thread that runs the callbacks
             wanted = request.transition.label or f'with the id {request.transition.id}'
             node.get_logger().error(
-                f'the transition {wanted} is not possible now: {" ".join(str(error).split())}')
+                f'the transition {wanted} is not possible now: {reason_of(error)}')
             response.success = False
             return response
 
@@ -88,7 +89,7 @@ class Lifecycle(ManagedEntity):
             raise LadderError.of(
                 'L0508', Location(), request=f'the transition {transition}',
                 state=self.phase.value,
-                expected=' '.join(str(error).split())) from None
+                expected=reason_of(error)) from None
         finally:
             self._asked = False
         if self._error is not None:

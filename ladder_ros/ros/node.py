@@ -42,7 +42,7 @@ Source a ROS 2 installation (source /opt/ros/jazzy/setup.bash), or install them 
 def usage() -> str:
     """Return the help text."""
     lines = [USAGE, 'parameters (-p name:=value, or a YAML file):']
-    lines += [_entry(rule.name, 21, rule.description) for rule in RULES]
+    lines += [_entry(rule.name, 24, rule.description) for rule in RULES]
     lines += ['', 'the I/O map, one entry a variable:']
     lines += [_entry(f'io.<variable>.{rule.name}', 28, rule.description) for rule in IO_RULES]
     lines += ['', 'services (std_srvs/srv/Trigger): ~/reload ~/preflight ~/test ~/untest ~/accept',

@@ -381,7 +381,9 @@ def test_graph_when_power_comes_back_then_is_refused() -> None:
 
 
 def test_codes_when_listed_then_each_has_a_case() -> None:
-    codes = {code for code in PROBLEMS if code[:3] in ('L02', 'L03', 'L04')}
+    # From L0224 to L0299 they are about texts and drawings of other editors.
+    codes = {code for code in PROBLEMS
+             if code[:3] in ('L02', 'L03', 'L04') and not 'L0224' <= code < 'L0300'}
     assert codes - {case.code for case in WRONG.values()} == ELSEWHERE
 
 

@@ -57,5 +57,5 @@ def test_page_when_read_then_gives_the_limits_that_are_enforced() -> None:
 
 def test_page_when_read_then_lists_every_problem_of_files() -> None:
     for code in PROBLEMS:
-        if code.startswith('L01'):
+        if 'L0101' <= code < 'L0120':  # the others are about text and other tools' files
             assert f'[{code}](problems/{code}.md)' in PAGE
