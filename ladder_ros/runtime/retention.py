@@ -91,6 +91,8 @@ class Retention:
             if executable is None:
                 return
             slots = [slot for slot in executable.slots if slot.retain]
+            if not slots:
+                return  # what another program retained stays
             try:
                 program, found = self._controller.values_of(slot.index for slot in slots)
             except LadderError:
