@@ -128,7 +128,7 @@ def _share(name: str, package: str) -> Path:
 
 def _existing(name: str, path: Path) -> Path:
     try:
-        if path.is_file():
+        if path.is_file() or (path / 'project.json').is_file():  # a file, or an OpenPLC project
             return path
         what = 'it is a folder' if path.is_dir() else f'there is no file {path}'
     except (OSError, ValueError) as error:  # too long, a NUL, no permission
