@@ -19,6 +19,7 @@ whether an output that both programs hold at TRUE was ever told to be something 
 from __future__ import annotations
 
 import argparse
+from array import array
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 import gc
@@ -27,7 +28,6 @@ import json
 from pathlib import Path
 import platform
 from statistics import mean
-import sys
 import tempfile
 import threading
 import time
@@ -35,6 +35,7 @@ import time
 from ladder_ros.session import ControllerState, Loaded, ScanResult, Session, SwapReport
 
 MS = 1_000_000
+ROOM = 1_000_000
 SIZES = (10, 1_000, 10_000)
 INTERVALS = (1, 10)
 
@@ -74,14 +75,16 @@ class Gaps:
 
     def clear(self) -> None:
         """Begin afresh."""
-        self.gaps: list[int] = []
+        self.gaps = array('q', bytes(8 * ROOM))  # has its memory from the start
+        self.count = 0
         self.last = 0
         self.glitches = 0
 
     def __call__(self, result: ScanResult) -> None:
         now = time.monotonic_ns() - result.execution_ns
         if self.last:
-            self.gaps.append(now - self.last)
+            self.gaps[self.count % ROOM] = now - self.last
+            self.count += 1
         self.last = now
         held = result.executable.slot('held')
         if self.is_held and held is not None and result.values[held.index] is not True:
@@ -131,10 +134,10 @@ def measured(
     swaps: list[SwapReport],
 ) -> Row:
     """Return the row of what was measured since the gaps were cleared."""
-    found = sorted(gaps.gaps) or [0]
+    found = sorted(gaps.gaps[:gaps.count]) or [0]
     return Row(
         rungs=rungs, interval_ms=interval, change=change,
-        scan_ms=session.statistics.mean_ns / MS, scans=len(gaps.gaps),
+        scan_ms=session.statistics.mean_ns / MS, scans=gaps.count,
         longest_gap_ms=found[-1] / MS, gap_999_ms=found[int(len(found) * 0.999)] / MS,
         missed=sum(max(round(gap / (interval * MS)) - 1, 0) for gap in found), swaps=len(swaps),
         pause_mean_ms=mean([swap.pause_ns for swap in swaps] or [0]) / MS,
@@ -261,4 +264,4 @@ def main() -> None:
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

@@ -192,7 +192,10 @@ class ChangeDesk:
             self._history.append(self.last.to_json())
         self.loaded, self.last, self._made[change.kind] = change.loaded, change, change
         for listener in self.listeners:
-            listener(change)
+            try:
+                listener(change)
+            except Exception as error:
+                self._controller.note_error(error)
         return change
 
     def _tidy(self) -> None:

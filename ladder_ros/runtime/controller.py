@@ -123,6 +123,10 @@ class Controller:
         """Text of the last exception that a listener raised, or ''."""
         return self._listeners.error
 
+    def note_error(self, error: Exception) -> None:
+        """Note what a listener raised."""
+        self._listeners.note(error)
+
     @property
     def trial(self) -> Trial | None:
         """The test that runs, or None."""

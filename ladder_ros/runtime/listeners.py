@@ -80,7 +80,7 @@ class Listeners:
             try:
                 listener(result)
             except Exception as error:
-                self._note(error)
+                self.note(error)
 
     def tell_state(self, state: ControllerState, fault: Fault | None) -> None:
         """Tell of a state."""
@@ -88,7 +88,7 @@ class Listeners:
             try:
                 listener(state, fault)
             except Exception as error:
-                self._note(error)
+                self.note(error)
 
     def tell_change(self, change: ProgramChange) -> None:
         """Tell of a change of the program."""
@@ -96,9 +96,10 @@ class Listeners:
             try:
                 listener(change)
             except Exception as error:
-                self._note(error)
+                self.note(error)
 
-    def _note(self, error: Exception) -> None:
+    def note(self, error: Exception) -> None:
+        """Note what a listener raised."""
         self.error = f'{type(error).__name__}: {error}'
 
 
