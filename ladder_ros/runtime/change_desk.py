@@ -137,6 +137,7 @@ class ChangeDesk:
             before = self.loaded
             if before is not None and self._controller.trial is None and is_same(before, loaded):
                 return self._leave(before, loaded)
+            self._tidy()
             self._expect(loaded)
             self._controller.test(
                 loaded.executable, timeout=timeout, overrun_limit=overrun_limit)
