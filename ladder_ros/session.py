@@ -312,7 +312,8 @@ class Session:
                           executable=before.executable, diagnostics=before.diagnostics)
         with giving_way(self.interval_ns):
             compilation = COMPILER.compile(
-                data, os.fspath(path), backend=backend, timeout=timeout_s)
+                data, os.fspath(path), backend=backend, timeout=timeout_s,
+                breathe=self._controller.breathe)
         return Loaded(
             path=os.fspath(path), name=compilation.executable.name, source_hash=source_hash,
             executable=compilation.executable, diagnostics=compilation.diagnostics)

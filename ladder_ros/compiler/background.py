@@ -9,7 +9,7 @@ makes any: the functions of a program that was compiled here are freed when nobo
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 import hashlib
 import marshal
@@ -35,7 +35,14 @@ from ladder_ros.source.read_any import file_hash, parse_any
 DEFAULT_TIMEOUT = 60.0
 """Seconds that a program may take to be compiled."""
 
+Breathe = Callable[[], None]
+"""Called between two parts of the work that is done here."""
+
 _FUNCTION = re.compile(r'call_(\w+)_([A-Z]+)')
+
+
+def _breathless() -> None:
+    """Do not wait."""
 
 
 class _Gone(Exception):
@@ -120,11 +127,13 @@ class CompilerProcess:
 
     def compile(
         self, data: bytes, file: str, *, backend: str, timeout: float = DEFAULT_TIMEOUT,
+        breathe: Breathe = _breathless,
     ) -> Compilation:
         """Compile a program file's bytes; as ``compile_program`` otherwise.
 
         Raises LadderError with every error that was found, L0521 if it takes longer than
-        ``timeout`` seconds.  Without another process it is done in this one.
+        ``timeout`` seconds.  ``breathe`` is called between the parts of what has to be done here.
+        Without another process all is done in this one.
         """
         source_hash = file_hash(data, file)
         key = hashlib.sha256(f'{source_hash} {backend} {file}'.encode(errors='replace'))
@@ -133,7 +142,7 @@ class CompilerProcess:
             return _compile_here(source)
         try:
             with self._turn, self._bounded(timeout, file) as process:
-                found = self._compile(process, key.hexdigest(), source)
+                found = self._compile(process, key.hexdigest(), source, breathe)
         except (_Gone, OSError):
             found = None
         return found or _compile_here(source)
@@ -149,7 +158,7 @@ class CompilerProcess:
                     self._ask(process, ('variant', key, variant))
                     word, _ = _load(process)
                     if word == 'fine':
-                        return _read_code(process)
+                        return _read_code(process, _breathless)
                     self._compile(process, key, source)
         except (_Gone, OSError):
             pass
@@ -157,6 +166,7 @@ class CompilerProcess:
 
     def _compile(
         self, process: BinaryIO, key: str, source: tuple[bytes, str, str, str],
+        breathe: Breathe = _breathless,
     ) -> Compilation | None:
         self._ask(process, ('compile', key, *source))
         word, content = _load(process)
@@ -164,8 +174,8 @@ class CompilerProcess:
             raise LadderError(content)
         if word != 'fine':
             return None
-        layout = _read_layout(process)
-        code = _read_code(process)
+        layout = _read_layout(process, breathe)
+        code = _read_code(process, breathe)
         return Compilation(diagnostics=content, executable=Executable(
             **layout, build=_Build(self, key, source, code)))
 
@@ -237,11 +247,12 @@ def _load(stream: BinaryIO) -> Any:
     return pickle.loads(receive(stream))  # from a process of our own
 
 
-def _read_layout(stream: BinaryIO) -> dict[str, Any]:
+def _read_layout(stream: BinaryIO, breathe: Breathe) -> dict[str, Any]:
     name, backend, source_hash, aliases, parts = _load(stream)
     found: dict[str, list[Any]] = {
         key: [] for key in ('slots', 'components', 'entries', 'routines', 'tasks', 'rungs')}
     for _ in range(parts):
+        breathe()
         key, items = _load(stream)
         found[key] += items
     by_path = {slot.path.casefold(): slot for slot in found['slots']}
@@ -250,12 +261,13 @@ def _read_layout(stream: BinaryIO) -> dict[str, Any]:
             **{key: tuple(items) for key, items in found.items()}}
 
 
-def _read_code(stream: BinaryIO) -> Code:
+def _read_code(stream: BinaryIO, breathe: Breathe) -> Code:
     entries, constants, count = _load(stream)
     names: dict[str, object] = {'__builtins__': {}}
     for name, data in constants.items():
         names[name] = pickle.loads(data) if data else _function(name)
     for _ in range(count):
+        breathe()
         name, code = marshal.loads(receive(stream))
         names[name] = FunctionType(code, names, name)
     return Code(names, entries)

@@ -26,7 +26,7 @@ from ladder_ros.executable import Executable, Scan, Variant
 from ladder_ros.source.read_any import parse_any
 
 LENGTH = struct.Struct('!I')
-PART = 64
+PART = 32
 """Slots or components in a part."""
 _NICE = 19
 _KEPT = 4

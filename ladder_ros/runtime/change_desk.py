@@ -110,7 +110,8 @@ class ChangeDesk:
                 hash=candidate.source_hash, running=_about(before), refusals=refusals,
                 diagnostics=candidate.diagnostics,
                 comparison=Comparison() if before is None else compare(
-                    before.executable, candidate.executable, self._controller.forces))
+                    before.executable, candidate.executable, self._controller.forces,
+                    self._controller.breathe))
 
     def _refusals(self, candidate: Loaded) -> Iterable[Refusal]:
         if self.loaded is None:
@@ -214,7 +215,7 @@ class ChangeDesk:
                      tuple(executable.by_path)]
             del executable
         with giving_way(self._controller.interval):
-            free_slowly(pile)
+            free_slowly(pile, self._controller.breathe)
 
 
 def is_same(one: Loaded, other: Loaded) -> bool:

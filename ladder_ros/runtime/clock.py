@@ -58,6 +58,11 @@ class MonotonicClock:
         self._wake.set()
 
 
+def rest(duration: int) -> None:
+    """Let the calling thread sleep for so many ns of the machine's time."""
+    time.sleep(duration / 1e9)
+
+
 class SimulatedClock:
     """A clock that moves only when it is told to: for simulations, tests and ROS time."""
 

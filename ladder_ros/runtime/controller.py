@@ -13,7 +13,7 @@ from typing import TypeVar
 from ladder_ros.diagnostics import InternalError, LadderError, Location
 from ladder_ros.executable import Executable
 from ladder_ros.model.types import Value
-from ladder_ros.runtime.clock import Clock, MonotonicClock
+from ladder_ros.runtime.clock import Clock, MonotonicClock, rest
 from ladder_ros.runtime.errands import Errands
 from ladder_ros.runtime.exchange import Exchange
 from ladder_ros.runtime.listeners import (
@@ -42,6 +42,9 @@ from ladder_ros.runtime.trial import (
 )
 
 _T = TypeVar('_T')
+_MARGIN = 400_000
+"""Time before a scan, in ns, in which other work rather waits."""
+_LONGEST_REST = 5_000_000
 
 
 class Controller:
@@ -59,6 +62,7 @@ class Controller:
         self._interval: int | None = None
         self._thread: threading.Thread | None = None
         self._stopping = False
+        self._due = 0
         self._listeners = Listeners()
         self._programs = Exchange(self._clock, self._listeners)
         self._recorder = Recorder()
@@ -122,6 +126,13 @@ class Controller:
     def listener_error(self) -> str:
         """Text of the last exception that a listener raised, or ''."""
         return self._listeners.error
+
+    def breathe(self) -> None:
+        """Wait for the scan that is about to begin, if there is one; for long work beside it."""
+        if self._state is ControllerState.RUNNING and isinstance(self._clock, MonotonicClock):
+            ahead = self._due - self._clock.now()
+            if ahead < _MARGIN:
+                rest(min(max(ahead, 0) + self._recorder.last + _MARGIN // 4, _LONGEST_REST))
 
     def note_error(self, error: Exception) -> None:
         """Note what a listener raised."""
@@ -262,14 +273,14 @@ class Controller:
                 raise LadderError.of('L0520', Location(), request=request, reason='a test runs',
                                      expected='accept or untest the program on test first')
             # All that takes long comes before it is the scan thread's turn, or after.
-            successor = self._loaded(request).successor(executable)
+            successor = self._loaded(request).successor(executable, self.breathe)
             check_interval(self._interval_for(successor.interval))
             report = self._boundary(lambda: self._programs.take_over(
                 self._loaded(request), successor, timeout=timeout, overrun_limit=overrun_limit,
                 overruns=self._recorder.overruns))
             pile: list[Sequence[object]] = [successor.steps]
             successor.steps = ()
-            free_slowly(pile)
+            free_slowly(pile, self.breathe)
             return report
 
     def untest(self, reason: str = 'asked for') -> None:
@@ -290,7 +301,7 @@ class Controller:
         """Let another program scan along; replaces one that does so already."""
         with self._request('a shadow run'):
             cycle = self._loaded('a shadow run')
-            shadow.prepare(cycle)
+            shadow.prepare(cycle, self.breathe)
 
             def begin() -> None:
                 shadow.begin(cycle)
@@ -307,11 +318,8 @@ class Controller:
 
     def record(self, trace: TraceRecorder | None) -> None:
         """Write each scan to a recording from the next one on; None ends that."""
-        def begin() -> None:
-            self._trace = trace
-
         with self._request('recording'):
-            self._boundary(begin)
+            self._boundary(lambda: setattr(self, '_trace', trace))
 
     # Values
 
@@ -425,7 +433,7 @@ class Controller:
         starts late, by less than an interval, is made up for by a shorter sleep; whole intervals
         that were missed are skipped and counted, never made up for in a burst.
         """
-        deadline = self._clock.now()
+        deadline = self._due = self._clock.now()
         running = True
         while running and not self._stopping:
             self._errands.run()
@@ -441,6 +449,7 @@ class Controller:
             deadline += missed * interval
             running = self._scan(deadline, -ahead - missed * interval, missed)
             deadline += interval
+            self._due = deadline
             if self._clock.now() > deadline:
                 self._recorder.overrun()
         if running:

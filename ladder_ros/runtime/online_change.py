@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from ladder_ros.executable import Executable, Slot, SlotClass
 from ladder_ros.model.types import NS_PER_MS
+from ladder_ros.runtime.quiet import Breathe, breathless, in_parts
 from ladder_ros.runtime.state_plan import Fate, plan_state, StatePlan, Step
 
 
@@ -59,11 +60,11 @@ class SwapReport:
 
 def report_swap(
     plan: StatePlan, forces_dropped: tuple[str, ...] = (), pause_ns: int = 0,
-    gap: Gap | None = None,
+    gap: Gap | None = None, breathe: Breathe = breathless,
 ) -> SwapReport:
     """Return what a plan does, in the words of the user."""
     paths: dict[Fate, list[str]] = {fate: [] for fate in Fate}
-    for step in plan.steps:
+    for step in in_parts(plan.steps, breathe):
         if not is_hidden(step.slot.path):
             paths[step.fate].append(step.slot.path)
     return SwapReport(

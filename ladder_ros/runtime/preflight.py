@@ -14,6 +14,7 @@ from ladder_ros.diagnostics import Diagnostic, problem
 from ladder_ros.executable import Entry, Executable, Slot, SlotClass, TaskEntry
 from ladder_ros.model.types import NS_PER_MS, Value
 from ladder_ros.runtime.online_change import is_hidden, list_state, StateItem
+from ladder_ros.runtime.quiet import Breathe, breathless, in_parts
 from ladder_ros.runtime.state_plan import Fate, plan_state, Step
 
 _T = TypeVar('_T')
@@ -116,11 +117,14 @@ class Preflight:
         }
 
 
-def compare(old: Executable, new: Executable, forces: Mapping[int, Value]) -> Comparison:
+def compare(
+    old: Executable, new: Executable, forces: Mapping[int, Value],
+    breathe: Breathe = breathless,
+) -> Comparison:
     """Compare a program with the one that runs, and plan its state."""
-    plan = plan_state(old, new)
+    plan = plan_state(old, new, breathe)
     return Comparison(
-        is_equal_layout=plan.is_equal, state=tuple(list_state(plan.steps)),
+        is_equal_layout=plan.is_equal, state=tuple(list_state(in_parts(plan.steps, breathe))),
         rungs=tuple(_rungs(old, new)), tasks=tuple(_tasks(old, new)), io=tuple(_io(old, new)),
         forces_dropped=tuple(
             old.slots[index].path for index in forces if index not in plan.moves),

@@ -9,12 +9,14 @@ are made small here, and full ones rare.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 import gc
 import sys
 import threading
+from typing import TypeVar
 
+_T = TypeVar('_T')
 _SHORTEST = 20e-6
 _PART = 64
 _SMALL = (300, 2)
@@ -92,7 +94,15 @@ QUIET = Quiet()
 giving_way = QUIET.giving_way
 
 
-def free_slowly(pile: list[Sequence[object]]) -> None:
+Breathe = Callable[[], None]
+"""Called between two small parts of long work: waits where a scan is about to begin."""
+
+
+def breathless() -> None:
+    """Wait for nothing: no scan is in a hurry."""
+
+
+def free_slowly(pile: list[Sequence[object]], breathe: Breathe = breathless) -> None:
     """Free many objects part by part, so that other threads have their turn in between.
 
     The pile is emptied; whoever calls this holds no other reference to the sequences in it.
@@ -101,4 +111,13 @@ def free_slowly(pile: list[Sequence[object]]) -> None:
         items = list(pile[-1])
         pile.pop()
         while items:
+            breathe()
             del items[-_PART:]
+
+
+def in_parts(items: Sequence[_T], breathe: Breathe) -> Iterator[_T]:
+    """Yield the items, with a breath now and then."""
+    for number, item in enumerate(items):
+        if number % _PART == 0:
+            breathe()
+        yield item

@@ -12,7 +12,7 @@ from operator import itemgetter
 from ladder_ros.executable import Executable, Slot, SlotClass
 from ladder_ros.model.types import NS_PER_MS, Value
 from ladder_ros.runtime.names import named_slots
-from ladder_ros.runtime.quiet import free_slowly
+from ladder_ros.runtime.quiet import Breathe, free_slowly
 from ladder_ros.runtime.scan_cycle import ScanCycle, Successor
 from ladder_ros.runtime.statistics import Recorder
 from ladder_ros.runtime.tasks import Timer
@@ -100,12 +100,12 @@ class Shadow:
         self._counts: dict[str, _Count] = {}
         self._ended = ''
 
-    def prepare(self, running: ScanCycle) -> None:
+    def prepare(self, running: ScanCycle, breathe: Breathe) -> None:
         """Do all that takes long, while the running program scans."""
-        successor = running.successor(self.executable)
+        successor = running.successor(self.executable, breathe)
         pile: list[Sequence[object]] = [successor.steps]
         successor.steps = ()
-        free_slowly(pile)
+        free_slowly(pile, breathe)
         self._successor = successor
         self._moves = dict(successor.plan.moves)
         new_slots = self.executable.slots

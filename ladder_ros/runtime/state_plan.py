@@ -22,6 +22,7 @@ from operator import itemgetter
 
 from ladder_ros.executable import Executable, Slot, SlotClass, State
 from ladder_ros.model.types import BIT_STRINGS, DataType, SIGNED, UNSIGNED, Value
+from ladder_ros.runtime.quiet import Breathe, breathless, in_parts
 
 
 class Fate(Enum):
@@ -104,16 +105,18 @@ def widening(old: DataType, new: DataType) -> Callable[[Value], Value] | None:
     return None
 
 
-def plan_state(old: Executable, new: Executable) -> StatePlan:
+def plan_state(
+    old: Executable, new: Executable, breathe: Breathe = breathless,
+) -> StatePlan:
     """Match the slots of two programs."""
-    return _Matcher(old, new).plan()
+    return _Matcher(old, new, breathe).plan()
 
 
 class _Matcher:
-    def __init__(self, old: Executable, new: Executable) -> None:
-        self.old, self.new = old, new
-        self.old_slots = {slot.path.casefold(): slot for slot in old.slots}
-        self.new_slots = {slot.path.casefold(): slot for slot in new.slots}
+    def __init__(self, old: Executable, new: Executable, breathe: Breathe) -> None:
+        self.old, self.new, self.breathe = old, new, breathe
+        self.old_slots = old.by_path
+        self.new_slots = new.by_path
         self.found: dict[int, Step] = {}
         """By new slot, where its value comes from."""
         self.target: dict[int, int] = {}
@@ -125,9 +128,9 @@ class _Matcher:
         edges = [slot for slot in new.slots if slot.slot_class is SlotClass.EDGE]
         for slots in ([s for s in new.slots if s.slot_class is not SlotClass.EDGE], edges):
             # What has kept its name comes first: no other may take its value.
-            for slot in slots:
+            for slot in in_parts(slots, self.breathe):
                 self.match(slot, slot.path, Fate.KEPT)
-            for slot in slots:
+            for slot in in_parts(slots, self.breathe):
                 for path in slot.was:
                     if slot.index in self.found:
                         break
@@ -185,7 +188,7 @@ class _Matcher:
                 yield step.old.index, index, convert
 
     def memories(self) -> Iterator[tuple[int, int | None, Value]]:
-        for slot in self.new.slots:
+        for slot in in_parts(self.new.slots, self.breathe):
             if slot.quiet is None or slot.index in self.found:
                 continue
             sensed = self.new_slots.get(slot.senses.casefold()) if slot.senses else None
@@ -195,11 +198,11 @@ class _Matcher:
                 yield slot.index, None, slot.quiet
 
     def steps(self) -> Iterator[Step]:
-        for slot in self.new.slots:
+        for slot in in_parts(self.new.slots, self.breathe):
             step = self.found.get(slot.index)
             yield step or Step(fate=Fate.INITIALISED, new=slot, why=self.reasons.get(
                 slot.index, 'it is new' if not slot.was else 'nothing is where it was'))
-        for slot in self.old.slots:
+        for slot in in_parts(self.old.slots, self.breathe):
             if slot.index not in self.target:
                 why = 'of another type' if slot.path.casefold() in self.new_slots else (
                     'not in the new program')

@@ -65,6 +65,11 @@ class Recorder:
         return self._scans
 
     @property
+    def last(self) -> int:
+        """How long the last execution took, in ns."""
+        return self._last
+
+    @property
     def overruns(self) -> int:
         """Number of executions so far that were not over when the next one was due."""
         return self._overruns
