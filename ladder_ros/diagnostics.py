@@ -10,7 +10,7 @@ to do) and travels in a :class:`LadderError`.  A broken invariant of ours is an
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from ladder_ros.problems import PROBLEMS, Severity
 
@@ -138,11 +138,6 @@ class InternalError(Exception):
         super().__init__(
             f'internal error in stage {stage} at {self.location}: {message}; '
             'this is a fault of ladder_ros, please report it with the program')
-
-
-def in_file(location: Location, file: str) -> Location:
-    """Return the location with its file name replaced."""
-    return replace(location, file=file)
 
 
 def has_errors(diagnostics: Iterable[Diagnostic]) -> bool:

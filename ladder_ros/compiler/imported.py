@@ -5,24 +5,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence, ValuesView
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import fields, is_dataclass
 
-from ladder_ros.compiler.aov import Aov
-from ladder_ros.compiler.il import Network
 from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.symbols import pou_key, Symbols
 from ladder_ros.diagnostics import Diagnostic, Location, problem
 from ladder_ros.model.component import Block, Instance
 from ladder_ros.model.program import Composite, Pou, Program
 from ladder_ros.model.st import CallExpression, CallStatement, Field
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ImportedBody:
-    """What an imported body was lowered to: graphs (a drawing) or code (Structured Text)."""
-
-    graphs: tuple[Aov, ...] = ()
-    code: tuple[Network, ...] | None = None
 
 
 def is_imported(pou: Pou) -> bool:

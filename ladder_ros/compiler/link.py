@@ -61,7 +61,7 @@ def link_code(program: Program, code: Code) -> InstructionList:
     return InstructionList(routines=tuple(routines))
 
 
-def is_hidden(path: str) -> bool:
+def belongs_to_body(path: str) -> bool:
     """Say whether a path is the compiler's own, of something that belongs to one body."""
     return path.startswith('%') and not is_address(path)
 
@@ -101,7 +101,7 @@ def _place(network: Network, frame: _Pending) -> Network:
     def operand(old: Operand) -> Operand:
         if isinstance(old, Ref) and old.path.startswith('%T'):
             return old
-        if isinstance(old, Ref) and is_hidden(old.path) and not frame.prefix:
+        if isinstance(old, Ref) and belongs_to_body(old.path) and not frame.prefix:
             # Bodies share the program's names, but not what the compiler adds for their rungs.
             kind, _, rest = old.path.partition('.')
             return Ref(path=f'{kind}.{frame.name}.{rest}', type=old.type)

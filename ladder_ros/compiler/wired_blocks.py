@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 from ladder_ros.compiler.il import Instruction, Op
@@ -378,7 +378,7 @@ class WiredBlocks:
     # -- calls ------------------------------------------------------------------------------------
 
     def call(
-        self, component: Block | Instance, callee: Callee, is_power: Callable[[Port], bool],
+        self, component: Block | Instance, callee: Callee,
     ) -> WiredCall:
         """Return how a block is called; what is wrong with its pins has been reported."""
         if callee.kind is not None:

@@ -184,7 +184,7 @@ class _Builder:
         callee = self.blocks.callee(component)
         if callee is None:
             return
-        call = self.blocks.call(component, callee, self._is_power)
+        call = self.blocks.call(component, callee)
         modifiers = {modifier.pin.casefold(): modifier for modifier in component.modifiers}
         taken: list[tuple[str, list[_Giver]]] = []
         for pin, sources in call.powered:
@@ -203,9 +203,6 @@ class _Builder:
             ) or (_Giver(symbol=-1),))
         if not any(pin == '' for pin, _ in taken):
             self.feeds.append((_Giver(symbol=-1), number, ''))
-
-    def _is_power(self, port: Port) -> bool:
-        return self.blocks.type_of(port) is DataType.BOOL
 
     def _joined(self, givers: list[_Giver], modifier: PinModifier | None) -> list[_Giver]:
         """Join several wires first where a modifier acts on what they give together."""

@@ -46,11 +46,6 @@ class DataType(Enum):
         return self.value
 
     @property
-    def is_integer(self) -> bool:
-        """Whether values are integers that wrap at a width (ANY_INT and ANY_BIT but BOOL)."""
-        return self in INTEGER_RANGE
-
-    @property
     def is_real(self) -> bool:
         """Whether values are floating point (ANY_REAL)."""
         return self in (DataType.REAL, DataType.LREAL)
