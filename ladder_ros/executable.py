@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from ladder_ros.diagnostics import Location
-from ladder_ros.model.types import DataType, Value
+from ladder_ros.model.types import DataType, normal_address, Value
 
 State = list[Value]
 """One value a slot, in slot order."""
@@ -190,7 +190,8 @@ class Executable:
         """
         slot = self.by_path.get(path.casefold())
         if slot is None and path.startswith('%'):
-            return next((s for s in self.slots if s.address.upper() == path.upper()), None)
+            address = normal_address(path)
+            return next((s for s in self.slots if normal_address(s.address) == address), None)
         return slot
 
     def io(self) -> tuple[Slot, ...]:

@@ -165,12 +165,14 @@ def unknown_parameter(folder: Path) -> str:
 def dropped_variable(folder: Path) -> str:
     """Resolve the I/O map for the program without its variable motor."""
     from ladder_ros.ros.io_map import resolve_io
+    from ladder_ros.ros.message_types import installed_fields
     from ladder_ros.ros.parameters import read_settings
     compiled = compile_file(folder / 'program.xml').executable
     slots = tuple(slot for slot in compiled.slots if slot.path != 'motor')
     changed = replace(compiled, slots=slots, by_path={s.path.casefold(): s for s in slots})
     entries = read_settings(overrides(folder))[0].io
-    return render(resolve_io(changed, entries, lambda topic: topic, strict=False).warnings)
+    found = resolve_io(changed, entries, lambda topic: topic, installed_fields, strict=False)
+    return render(found.warnings)
 
 
 def busy_compiler(folder: Path) -> str:

@@ -9,12 +9,19 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 import pytest
+from rosbags.typesys import get_typestore, Stores
 
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Executable, Slot, SlotClass
 from ladder_ros.model.types import DataType, default_value
-from ladder_ros.ros.io_map import default_topic, IoMap, resolve_io, typed_value
+from ladder_ros.ros.bag import schema_of
+from ladder_ros.ros.io_entries import default_topic
+from ladder_ros.ros.io_map import resolve_io
+from ladder_ros.ros.io_points import IoMap
+from ladder_ros.ros.io_values import typed_value
 from ladder_ros.ros.parameters import read_settings
+
+SCHEMA = schema_of(get_typestore(Stores.ROS2_JAZZY))
 
 
 def executable(*variables: tuple[str, str, DataType], address: str = '') -> Executable:
@@ -42,9 +49,12 @@ def expand(topic: str) -> str:
 
 
 def resolve(entries: dict[str, Any], program: Executable = PROGRAM, strict: bool = True) -> IoMap:
-    settings, found = read_settings({f'io.{key}': value for key, value in entries.items()})
-    assert found == ()
-    return resolve_io(program, settings.io, expand, strict=strict)
+    settings, found = read_settings({
+        key if key.startswith('io_packed.') else f'io.{key}': value
+        for key, value in entries.items()})
+    if found:
+        raise LadderError(found)
+    return resolve_io(program, settings.io, expand, SCHEMA, strict=strict)
 
 
 def refused(entries: dict[str, Any], program: Executable = PROGRAM) -> list[str]:
@@ -85,7 +95,7 @@ def test_local_variable_when_located_at_an_input_or_output_then_it_is_one(addres
 
 @pytest.mark.parametrize(('entries', 'code'), [
     ({'nothing.topic': 'x'}, 'L0601'), ({'step.topic': 'x'}, 'L0601'),
-    ({'start.type': 'String'}, 'L0602'), ({'start.type': 'geometry_msgs/msg/Twist'}, 'L0602'),
+    ({'start.type': 'String'}, 'L0602'), ({'start.type': 'geometry_msgs/msg/Twist'}, 'L0613'),
     ({'start.topic': 'a b'}, 'L0603'), ({'start.topic': 'x', 'motor.topic': 'x'}, 'L0608'),
     ({'motor.topic': 'x', 'count.topic': '/x'}, 'L0608'), ({'motor.topic': '~/state'}, 'L0608'),
     ({'start.topic': 'x', 'speed.topic': 'x'}, 'L0608'),
@@ -103,8 +113,9 @@ def test_map_when_an_entry_is_wrong_then_its_code_tells(
 
 
 def test_map_when_several_entries_are_wrong_then_all_are_told() -> None:
-    assert refused({'nothing.topic': 'x', 'start.type': 'String', 'motor.timeout': 1.0}) == [
-        'L0601', 'L0602', 'L0604']
+    assert sorted(refused({
+        'nothing.topic': 'x', 'start.type': 'String', 'motor.timeout': 1.0})) == [
+            'L0601', 'L0602', 'L0604']
 
 
 def test_map_when_a_changed_program_lacks_a_variable_then_it_is_a_warning() -> None:
