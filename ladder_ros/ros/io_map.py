@@ -103,6 +103,8 @@ class _Resolver:
     found: list[Diagnostic] = field(default_factory=list)
     by_slot: dict[int, IoEntry] = field(default_factory=dict)
     stale: dict[int, Slot] = field(default_factory=dict)
+    wrong: set[int] = field(default_factory=set)
+    """Slots whose entries make no sense, whatever lies on the topic."""
 
     def resolve(self, entries: Mapping[str, IoEntry]) -> IoMap:
         """Return the map, its warnings being everything found."""
@@ -177,7 +179,10 @@ class _Resolver:
         """Return the full topic of a variable with what is wanted there."""
         entry = self.by_slot.get(slot.index) or IoEntry(variable=slot.path)
         output = _direction(slot) is SlotClass.OUTPUT
-        self.found += misplaced_keys(entry, slot, output)
+        misplaced = tuple(misplaced_keys(entry, slot, output))
+        self.found += misplaced
+        if misplaced:
+            self.wrong.add(slot.index)
         wish = _Wish(slot=slot, entry=entry, output=output,
                      topic=entry.topic or default_topic(slot.path))
         place = wish.declared('topic')
@@ -294,6 +299,8 @@ class _Resolver:
             return None
         if message.frame_id and not place.headers and 'frame_id' in entry.given:
             self.found.append(bad_entry(entry, 'frame_id', f'{name} has no header'))
+        if wish.slot.index in self.wrong:
+            return None
         converted = field_conversion(entry, wish.slot, place, message.endpoint, self.found)
         return None if converted is None else (place, converted)
 
