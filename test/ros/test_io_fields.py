@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+import itertools
 from pathlib import Path
 from typing import Any
 
@@ -260,7 +261,7 @@ def test_header_when_time_is_simulated_then_the_stamp_is_the_scans(plc: Start) -
     # Scans before the first /clock have no time yet; skipped ones are more than 50 ms apart.
     later = sorted(number for number, stamp in stamps.items() if stamp)
     assert len(later) >= 8 and all(stamps[number] % 50 == 0 for number in later)
-    gaps = [stamps[b] - stamps[a] for a, b in zip(later, later[1:], strict=False) if b == a + 1]
+    gaps = [stamps[b] - stamps[a] for a, b in itertools.pairwise(later) if b == a + 1]
     assert gaps.count(50) >= len(gaps) / 2 and min(gaps) >= 50
 
 
