@@ -66,12 +66,13 @@ def order_components(
     ordering = _Ordering(
         components={component.id: component for component in rung.components},
         connections=connections, lowering=lowering)
-    for statement in _statements(rung):
+    for statement in statements(rung):
         ordering.visit(statement.id)
     return tuple(ordering.order)
 
 
-def _statements(rung: Rung) -> Sequence[Component]:
+def statements(rung: Rung) -> Sequence[Component]:
+    """Return coils, outVariables and blocks in the order that the drawing's rule gives."""
     listed = [c for c in rung.components if isinstance(c, (Coil, OutVariable, Block, Instance))]
     if rung.order is Order.DOCUMENT:
         return listed

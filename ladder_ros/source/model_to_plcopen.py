@@ -36,7 +36,7 @@ from ladder_ros.model.derived import (
     Subrange,
     Type,
 )
-from ladder_ros.model.program import Order, Rung, Wire
+from ladder_ros.model.program import Rung, Wire
 from ladder_ros.model.types import DataType, format_literal, NS_PER_MS, Value
 
 RAIL_X = 20
@@ -258,13 +258,8 @@ class _Writer:
                '<connectionPointOut formalParameter=""><relPosition x="3" y="20"/>'
                '</connectionPointOut></leftPowerRail>')
         shapes = _Shapes(ids=ids, wires=wires, places=places, pins=pins, project=self.project)
-        is_numbered, order = rung.order is Order.DOCUMENT, 0
         for component in rung.components:
-            number = 0
-            if is_numbered and isinstance(component, (Coil, OutVariable, Block, Instance)):
-                order += 1
-                number = order
-            yield from shapes.component(component, number)
+            yield from shapes.component(component)
         ends = [ids[c.id] for c in rung.components if isinstance(c, Coil)]
         yield (f'            <rightPowerRail localId="{ids["right"]}" width="3" '
                f'height="{bottom + 20}"><position x="{right + 60}" y="0"/>'
@@ -297,12 +292,11 @@ class _Shapes:
     pins: Mapping[str, Mapping[str, None]]
     project: Project
 
-    def component(self, component: Component, order: int) -> Iterator[str]:
-        """Yield an element; ``order`` is its place among the statements, 0 for none."""
+    def component(self, component: Component) -> Iterator[str]:
+        """Yield an element."""
         place = component.placement
-        number = f' executionOrderId="{order}"' if order else ''
         head = (f'localId="{self.ids[component.id]}" width="{max(place.width, 1)}" '
-                f'height="{max(place.height, 1)}"{number}')
+                f'height="{max(place.height, 1)}"')
         at = f'<position x="{place.x}" y="{place.y}"/>'
         match component:
             case Contact():
