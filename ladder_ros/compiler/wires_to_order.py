@@ -142,6 +142,11 @@ def _find_networks(rung: Rung) -> dict[str, str]:
     return {name: find(name) for name in parent}
 
 
+def statements(rung: Rung) -> Sequence[Component]:
+    """Return what is evaluated for its own sake, and labels, in the drawing's order."""
+    return _statements(rung, _find_networks(rung))
+
+
 def _statements(rung: Rung, network_of: Mapping[str, str]) -> Sequence[Component]:
     """Return what is evaluated for its own sake, in order, and the labels in between."""
     listed: list[Component] = [

@@ -260,7 +260,8 @@ class _Writer:
                '<connectionPointOut formalParameter=""><relPosition x="3" y="20"/>'
                '</connectionPointOut></leftPowerRail>')
         shapes = _Shapes(ids=ids, wires=wires, places=places, pins=pins, project=self.project)
-        is_numbered, order = _is_numbered(rung), 0
+        # The one rule of order that positions cannot tell: a jump that is taken at once.
+        is_numbered, order = rung.order is Order.DOCUMENT, 0
         for component in rung.components:
             number = 0
             if is_numbered and isinstance(
@@ -274,13 +275,6 @@ class _Writer:
                '<connectionPointIn><relPosition x="0" y="20"/>'
                + ''.join(f'<connection refLocalId="{end}"/>' for end in ends)
                + '</connectionPointIn></rightPowerRail>')
-
-
-def _is_numbered(rung: Rung) -> bool:
-    """Say whether numbers must tell the order: where neither positions nor the document do."""
-    spots = {(c.placement.x, c.placement.y) for c in rung.components}
-    return rung.order is Order.DOCUMENT and (
-        len(spots) > 1 or any(isinstance(c, Jump) and c.at_once for c in rung.components))
 
 
 def _local_ids(components: Sequence[Component]) -> dict[str, str]:
