@@ -29,9 +29,9 @@ from ladder_ros.compiler.pipeline import Compilation, compile_program
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Variant
 from ladder_ros.runtime.planner import LocalPlanner
+from ladder_ros.runtime.scheduling import stay_behind
 from ladder_ros.source.read_any import parse_any
 
-_NICE = 19
 _KEPT = 4
 _PLANNER = LocalPlanner()
 
@@ -114,8 +114,7 @@ def main() -> None:
     # What the compiler might print must not get among the frames.
     output = os.fdopen(os.dup(1), 'wb')
     os.dup2(2, 1)
-    if hasattr(os, 'nice'):
-        os.nice(_NICE)
+    stay_behind()
     worker = Worker()
     while True:
         try:

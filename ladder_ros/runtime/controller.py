@@ -32,6 +32,7 @@ from ladder_ros.runtime.planner import LocalPlanner, Planner
 from ladder_ros.runtime.quiet import giving_way
 from ladder_ros.runtime.recorder import TraceRecorder
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
+from ladder_ros.runtime.scheduling import wake_promptly
 from ladder_ros.runtime.shadow import Shadow
 from ladder_ros.runtime.statistics import Recorder, Share, Statistics
 from ladder_ros.runtime.tasks import make_tasks, TaskStatistics
@@ -433,6 +434,7 @@ class Controller:
         starts late, by less than an interval, is made up for by a shorter sleep; whole intervals
         that were missed are skipped and counted, never made up for in a burst.
         """
+        wake_promptly()
         deadline = self._due = self._clock.now()
         running = True
         while running and not self._stopping:
