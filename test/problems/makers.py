@@ -14,7 +14,7 @@ from typing import Any
 from runtime.handmade import executable, Variables
 import yaml
 
-from ladder_ros.compiler.background import CompilerProcess
+from ladder_ros.background.process import CompilerProcess
 from ladder_ros.compiler.il_text import parse_il
 from ladder_ros.compiler.symbols import Resolved
 from ladder_ros.compiler.wiring import End, Net, Part, Wiring
