@@ -215,9 +215,16 @@ _ROS = (
     _error('L0611', 'the recording of topics cannot be used: {reason}', '{expected}'),
 )
 
+_REFACTORING = (
+    _error('L0630', 'there is no {what}', 'there is {known}'),
+    _error('L0631', '{what} cannot become a composite: {reason}',
+           'choose more or less of the drawing, or change it so that this is not so'),
+    _error('L0632', '{name} cannot be used as a name: {reason}', 'choose another name'),
+)
+
 PROBLEMS: Mapping[str, Problem] = {
     row.code: row
-    for table in (_FILES, _NAMES, _DRAWING, _COMPILING, _RUNNING, _ROS)
+    for table in (_FILES, _NAMES, _DRAWING, _COMPILING, _RUNNING, _ROS, _REFACTORING)
     for row in table
 }
 """Every problem by its code."""
