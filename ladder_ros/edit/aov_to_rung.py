@@ -22,6 +22,7 @@ from ladder_ros.compiler.model_to_wiring import analyse_connections
 from ladder_ros.compiler.tree import Leaf
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import has_errors, InternalError, LadderError
+from ladder_ros.edit.drawable import with_drawable_components
 from ladder_ros.edit.placing import (
     by_order,
     by_place,
@@ -42,17 +43,34 @@ def draw_rung(
 ) -> Rung:
     """Draw a graph as a rung; its right rail is at grid line ``columns`` or farther.
 
-    Components keep everything but their place and their parallel interfaces.  ``access_key``
-    names the variable that an operand stands for, where names may mean the same
+    Components keep everything but their place and their parallel interfaces; those of inline
+    composites get names as :func:`with_drawable_components` says.  ``access_key`` names the
+    variable that an operand stands for, where names may mean the same
     (:func:`ladder_ros.compiler.access_keys.access_key`).
 
     Raises LadderError L0620 where no drawing has the order of evaluation.
     """
+    return _draw(aov, rung_id, comment, columns, access_key)[0]
+
+
+def draw_aov(aov: Aov, *, columns: int = 0, access_key: AccessKey = by_path) -> Aov:
+    """Return a graph with the coordinates of its drawing: cells, and where vertical lines are.
+
+    Raises LadderError L0620 where no drawing has the order of evaluation.
+    """
+    return _draw(aov, aov.rung, aov.comment, columns, access_key)[1]
+
+
+def _draw(
+    aov: Aov, rung_id: str, comment: str, columns: int, access_key: AccessKey,
+) -> tuple[Rung, Aov]:
+    aov = with_drawable_components(aov)
     for placing in _placings(aov, columns):
         rung = Rung(id=rung_id, width=placing.width, comment=comment,
                     components=tuple(_Drawing(placing=placing).components()))
-        if _keeps_order(aov, rung, access_key):
-            return rung
+        again = _analysed(aov, rung)
+        if again is not None and _keeps_order(aov, again, access_key):
+            return rung, again
     raise LadderError.of('L0620', aov.symbols[0].component.location, rung=rung_id)
 
 
@@ -73,15 +91,18 @@ def _placings(aov: Aov, columns: int) -> Iterator[Placing]:
     yield place_strips(strips, by_place(strips), columns=columns, apart=True)
 
 
-def _keeps_order(aov: Aov, rung: Rung, access_key: AccessKey) -> bool:
-    """Say whether the drawing is evaluated as the graph, as far as anything can tell."""
+def _analysed(aov: Aov, rung: Rung) -> Aov | None:
+    """Return the drawing's own graph; None if its data connections form other loops."""
     wiring, found = analyse_connections(rung, ends_in_output=False)
     if has_errors(found):
         raise InternalError('aov_to_rung', f'rung {rung.id}: {found[0].message}')
     resolved = {symbol.component.id.casefold(): symbol.resolved for symbol in aov.symbols}
     again, found = build_aov(wiring, resolved)
-    if has_errors(found):
-        return False
+    return None if has_errors(found) else again
+
+
+def _keeps_order(aov: Aov, again: Aov, access_key: AccessKey) -> bool:
+    """Say whether the drawing is evaluated as the graph, as far as anything can tell."""
     by_id = {symbol.component.id: symbol for symbol in aov.symbols}
     order = [by_id[symbol.component.id] for symbol in again.symbols]
     if order == list(aov.symbols):

@@ -151,6 +151,8 @@ class _Placer:
     late: list[int] = field(default_factory=list)
     """Boxes that stand at the right rail."""
     box_row: dict[int, int] = field(default_factory=dict)
+    height: int = 0
+    """Rows that are taken."""
 
     pins: set[int] = field(default_factory=set)
     """The bends."""
@@ -273,7 +275,6 @@ class _Placer:
         rows = [0] * len(self.strips.strips)
         below = Skyline(x[RIGHT], -1)
         lines = _Lines(x)
-        bottom = -1
         for number in order:
             strip = self.strips.strips[number]
             cells = x[strip.source], x[strip.target]
@@ -285,7 +286,7 @@ class _Placer:
                 for lead in self._leads(item):
                     row = max(row, lines.free(lead.junction) - lead.row)
             if self.apart:
-                row = max(row, bottom + 1)
+                row = max(row, self.height)
             if not self.bends and any(
                     pin in self.pins and lines.spans.get(pin) != (row, row)
                     for pin in (strip.source, strip.target)):
@@ -294,14 +295,14 @@ class _Placer:
             below.rise(*cells, row)
             lines.use(strip.source, row)
             lines.use(strip.target, row)
-            bottom = max(bottom, row, self._lay_boxes(strip, row, x, below, lines))
+            self.height = max(self.height, row + 1)
+            self._lay_boxes(strip, row, x, below, lines)
         return rows, lines.spans
 
     def _lay_boxes(
         self, strip: Strip, row: int, x: Sequence[int], below: Skyline, lines: _Lines,
-    ) -> int:
-        """Take the rows that boxes in a strip cover, and their leads; return the last one."""
-        last = row
+    ) -> None:
+        """Take the rows that boxes in a strip cover, and their leads."""
         for item in strip.items:
             node = self.node_of.get(item)
             if node is None:
@@ -309,19 +310,17 @@ class _Placer:
             self.box_row[node] = row
             bottom = row + self.component(node).placement.height - 1
             below.rise(x[node], x[node] + self.width(node), bottom)
-            last = max(last, bottom)
+            self.height = max(self.height, bottom + 1)
             for lead in self._leads(item):
                 low, high = sorted((x[lead.junction], x[node]))
                 if low < high:
                     below.rise(low, high, row + lead.row)
                 lines.use(lead.junction, row + lead.row)
-        return last
 
     def _final(self, nodes: Iterable[int], spans: dict[int, tuple[int, int]]) -> list[int]:
         """Give grid lines from left to right, none to two vertical lines in the same row."""
         x = [0] * (self.strips.junctions + len(self.boxes))
-        reached = Skyline(2 + max((last for _, last in spans.values()), default=0) + max(
-            (self.component(node).placement.height for node in self.boxes), default=0), 0)
+        reached = Skyline(self.height, 0)
         for node in nodes:
             x[node] = self._bound(node, x)
             if node in self.boxes:
