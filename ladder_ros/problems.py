@@ -3,7 +3,8 @@
 """The table of coded problems: one row a code, one page a code in docs/problems.
 
 Codes never change their meaning and are never used again.  L01 files, L02 names and types,
-L03 drawing, L04 compiling, L05 running, L06 ROS.
+L03 drawing, L04 compiling, L05 running, L06 ROS
+and, from L0620, editing.
 """
 
 from __future__ import annotations
@@ -217,9 +218,22 @@ _ROS = (
     _error('L0611', 'the recording of topics cannot be used: {reason}', '{expected}'),
 )
 
+_EDITING = (
+    _error('L0620', 'rung {rung} has no drawing with its order of evaluation',
+           'break the loop of data connections in it, or split the rung'),
+)
+
+_REFACTORING = (
+    _error('L0630', 'there is no {what}', 'there is {known}'),
+    _error('L0631', '{what} cannot become a composite: {reason}',
+           'choose more or less of the drawing, or change it so that this is not so'),
+    _error('L0632', '{name} cannot be used as a name: {reason}', 'choose another name'),
+)
+
 PROBLEMS: Mapping[str, Problem] = {
     row.code: row
-    for table in (_FILES, _NAMES, _DRAWING, _COMPILING, _RUNNING, _ROS)
+    for table in (
+        _FILES, _NAMES, _DRAWING, _COMPILING, _RUNNING, _ROS, _EDITING, _REFACTORING)
     for row in table
 }
 """Every problem by its code."""
