@@ -3,7 +3,8 @@
 """The table of coded problems: one row a code, one page a code in docs/problems.
 
 Codes never change their meaning and are never used again.  L01 files, L02 names and types,
-L03 drawing, L04 compiling, L05 running, L06 ROS.
+L03 drawing, L04 compiling, L05 running, L06 ROS
+and, from L0620, editing.
 """
 
 from __future__ import annotations
@@ -141,6 +142,8 @@ _NAMES = (
              'it keeps one state for all its calls; give each call an instance of its own'),
     _error('L0224', 'the index {index} is outside of {name}', 'it goes from {low} to {high}'),
     _error('L0225', '{name} may not stand {where}', '{reason}'),
+    _error('L0226', 'no network has the label {name}',
+           'draw the label at the network to go on with, or correct the name{hint}'),
 )
 
 _DRAWING = (
@@ -219,9 +222,22 @@ _ROS = (
            'give {name} another field with io.{name}.field, or another topic'),
 )
 
+_EDITING = (
+    _error('L0620', 'rung {rung} has no drawing with its order of evaluation',
+           'break the loop of data connections in it, or split the rung'),
+)
+
+_REFACTORING = (
+    _error('L0630', 'there is no {what}', 'there is {known}'),
+    _error('L0631', '{what} cannot become a composite: {reason}',
+           'choose more or less of the drawing, or change it so that this is not so'),
+    _error('L0632', '{name} cannot be used as a name: {reason}', 'choose another name'),
+)
+
 PROBLEMS: Mapping[str, Problem] = {
     row.code: row
-    for table in (_FILES, _NAMES, _DRAWING, _COMPILING, _RUNNING, _ROS)
+    for table in (
+        _FILES, _NAMES, _DRAWING, _COMPILING, _RUNNING, _ROS, _EDITING, _REFACTORING)
     for row in table
 }
 """Every problem by its code."""

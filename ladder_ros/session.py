@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import datetime, timezone
 import os
 
-from ladder_ros.compiler.background import COMPILER
+from ladder_ros.background.process import COMPILER
 from ladder_ros.compiler.dump import dump_stage, STAGES, with_drawings
 from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
 from ladder_ros.compiler.program_to_plcopen import write_plcopen
@@ -226,7 +226,7 @@ class Session:
         False compiles in this process, always.  Raises LadderError L0505 if the interval cannot be
         used.
         """
-        self._controller = Controller(clock)
+        self._controller = Controller(clock, COMPILER if background else None)
         self._controller.set_interval(interval_ns)
         self._desk = ChangeDesk(self._controller, _stamp)
         self._controller.add_state_listener(self._on_state)

@@ -40,7 +40,10 @@ ResolveTopic = Callable[[str], str]
 
 def io_slots(executable: Executable) -> tuple[Slot, ...]:
     """Return the slots that lie on topics: inputs, outputs, and those located at %I and %Q."""
-    return tuple(slot for slot in executable.slots if _direction(slot) is not None)
+    outline = executable.outline
+    indices = sorted({*outline.inputs, *outline.outputs, *outline.located})
+    return tuple(slot for slot in map(executable.slots.__getitem__, indices)
+                 if _direction(slot) is not None)
 
 
 def resolve_io(

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 import threading
@@ -28,9 +28,11 @@ from ladder_ros.runtime.listeners import (
     StateListener,
 )
 from ladder_ros.runtime.online_change import SwapReport
-from ladder_ros.runtime.quiet import free_slowly, giving_way
+from ladder_ros.runtime.planner import LocalPlanner, Planner
+from ladder_ros.runtime.quiet import giving_way
 from ladder_ros.runtime.recorder import TraceRecorder
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
+from ladder_ros.runtime.scheduling import wake_promptly
 from ladder_ros.runtime.shadow import Shadow
 from ladder_ros.runtime.statistics import Recorder, Share, Statistics
 from ladder_ros.runtime.tasks import make_tasks, TaskStatistics
@@ -54,9 +56,10 @@ class Controller:
     Listeners, which the scan thread calls, may only read, write and stop.
     """
 
-    def __init__(self, clock: Clock | None = None) -> None:
-        """Make an empty controller."""
+    def __init__(self, clock: Clock | None = None, planner: Planner | None = None) -> None:
+        """Make an empty controller; ``planner`` works out what changes of the program do."""
         self._clock: Clock = clock or MonotonicClock()
+        self.planner: Planner = planner or LocalPlanner()
         self._state = ControllerState.EMPTY
         self._fault: Fault | None = None
         self._interval: int | None = None
@@ -273,15 +276,13 @@ class Controller:
                 raise LadderError.of('L0520', Location(), request=request, reason='a test runs',
                                      expected='accept or untest the program on test first')
             # All that takes long comes before it is the scan thread's turn, or after.
-            successor = self._loaded(request).successor(executable, self.breathe)
+            cycle = self._loaded(request)
+            successor = cycle.successor(executable, self.planner.transition(
+                cycle.executable, executable, self.breathe))
             check_interval(self._interval_for(successor.interval))
-            report = self._boundary(lambda: self._programs.take_over(
+            return self._boundary(lambda: self._programs.take_over(
                 self._loaded(request), successor, timeout=timeout, overrun_limit=overrun_limit,
                 overruns=self._recorder.overruns))
-            pile: list[Sequence[object]] = [successor.steps]
-            successor.steps = ()
-            free_slowly(pile, self.breathe)
-            return report
 
     def untest(self, reason: str = 'asked for') -> None:
         """Go back to the program and the state before the test; inputs and forces are today's."""
@@ -301,7 +302,7 @@ class Controller:
         """Let another program scan along; replaces one that does so already."""
         with self._request('a shadow run'):
             cycle = self._loaded('a shadow run')
-            shadow.prepare(cycle, self.breathe)
+            shadow.prepare(cycle, self.planner, self.breathe)
 
             def begin() -> None:
                 shadow.begin(cycle)
@@ -433,6 +434,7 @@ class Controller:
         starts late, by less than an interval, is made up for by a shorter sleep; whole intervals
         that were missed are skipped and counted, never made up for in a burst.
         """
+        wake_promptly()
         deadline = self._due = self._clock.now()
         running = True
         while running and not self._stopping:

@@ -69,8 +69,7 @@ class ProcessImage:
         self._pending = PendingInputs()
         self._forces: dict[int, Value] = {}
         self._behind: dict[int, Value] = {}  # values that wait behind a force
-        self._inputs = tuple(
-            slot.index for slot in self._slots if slot.slot_class is SlotClass.INPUT)
+        self._outline = executable.outline
 
     def write(self, index: int, value: Value, catch_pulse: bool = False) -> None:
         """Give a variable a value before the next scan; see :meth:`PendingInputs.write`.
@@ -122,11 +121,11 @@ class ProcessImage:
 
         Inputs are the outside world's: nobody would send them again.
         """
-        for slot in self._slots:
-            kept = slot.slot_class is SlotClass.INPUT or (slot.retain and not cold)
-            if slot.index in self._forces or kept:
-                continue
-            self.state[slot.index] = slot.initial
+        outline = self._outline
+        kept = {*self._forces, *outline.inputs, *(() if cold else outline.retained)}
+        for index, initial in enumerate(outline.initial):
+            if index not in kept:
+                self.state[index] = initial
 
     def follow(self, old: ProcessImage, plan: StatePlan, *, copy: bool) -> None:
         """Take everything over from another program's image, as planned; that is left as it was.
@@ -145,7 +144,7 @@ class ProcessImage:
         ``plan`` leads from this program to the other.  Forces of variables that the other program
         has not are kept.
         """
-        for index in self._inputs:
+        for index in self._outline.inputs:
             if index in plan.moves:
                 self.state[index] = other.state[plan.moves[index]]
         own = {index: value for index, value in self._forces.items() if index not in plan.moves}

@@ -5,15 +5,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Executable, Scan, State, Variant
 from ladder_ros.model.types import Value
-from ladder_ros.runtime.online_change import report_swap
+from ladder_ros.runtime.planner import Transition
 from ladder_ros.runtime.process_image import ProcessImage
-from ladder_ros.runtime.quiet import Breathe, breathless
-from ladder_ros.runtime.state_plan import plan_state, StatePlan
+from ladder_ros.runtime.state_plan import StatePlan
 from ladder_ros.runtime.statistics import Share
 from ladder_ros.runtime.tasks import make_tasks, RunningTask, TaskStatistics, Timer
 
@@ -246,11 +245,9 @@ class ScanCycle:
         self.version += 1
         self._functions = self.prepared(self.variant)
 
-    def successor(
-        self, executable: Executable, breathe: Breathe = breathless,
-    ) -> Successor:
+    def successor(self, executable: Executable, transition: Transition) -> Successor:
         """Make ready to continue with another program, while this one still runs."""
-        return Successor(self, executable, breathe)
+        return Successor(self, executable, transition)
 
     def go_on_after(self, tried: ScanCycle, plan: StatePlan, passed: int) -> None:
         """Go on where this program was left, after another one has been tried meanwhile.
@@ -276,14 +273,11 @@ class ScanCycle:
 class Successor:
     """A program made ready to take over from a running one between two scans."""
 
-    def __init__(self, old: ScanCycle, executable: Executable, breathe: Breathe) -> None:
+    def __init__(self, old: ScanCycle, executable: Executable, transition: Transition) -> None:
         """Do all that takes long."""
         self._old = old
         self._new = ScanCycle(executable, old._timer)
-        plan = plan_state(old.executable, executable, breathe)
-        self.steps = plan.steps
-        self.report = report_swap(plan, breathe=breathe)
-        self.plan = replace(plan, steps=())
+        self.plan, self.report = transition.plan, transition.report
         self._new.prepared(self._variant())
 
     @property

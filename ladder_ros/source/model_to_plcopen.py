@@ -23,6 +23,8 @@ from ladder_ros.model.component import (
     ContactKind,
     Instance,
     InVariable,
+    Jump,
+    Label,
     OutVariable,
     PinEdge,
 )
@@ -258,10 +260,12 @@ class _Writer:
                '<connectionPointOut formalParameter=""><relPosition x="3" y="20"/>'
                '</connectionPointOut></leftPowerRail>')
         shapes = _Shapes(ids=ids, wires=wires, places=places, pins=pins, project=self.project)
+        # The one rule of order that positions cannot tell: a jump that is taken at once.
         is_numbered, order = rung.order is Order.DOCUMENT, 0
         for component in rung.components:
             number = 0
-            if is_numbered and isinstance(component, (Coil, OutVariable, Block, Instance)):
+            if is_numbered and isinstance(
+                component, (Coil, OutVariable, Jump, Label, Block, Instance)):
                 order += 1
                 number = order
             yield from shapes.component(component, number)
@@ -321,6 +325,13 @@ class _Shapes:
                 yield (f'            <outVariable {head}{_negated(component.negated)}>{at}'
                        f'{self.taken(component, "")}'
                        f'<expression>{escape(component.operand)}</expression></outVariable>')
+            case Jump():
+                tag = f'jump label={quoteattr(component.label)}' if component.label else 'return'
+                yield (f'            <{tag} {head}>{at}'
+                       f'{self.taken(component, "")}{_inverted(component)}</{tag.split()[0]}>')
+            case Label():
+                yield (f'            <label label={quoteattr(component.label)} {head}>{at}'
+                       '</label>')
             case Block() | Instance():
                 yield from self.block(component, head, at)
             case _:
@@ -430,6 +441,14 @@ def pin_y(index: int) -> int:
 
 def _middle(component: Component) -> int:
     return max(component.placement.height, 1) // 2
+
+
+def _inverted(jump: Jump) -> str:
+    """Return what says that a jump is negated: the format has no attribute for that."""
+    if not jump.negated:
+        return ''
+    return ('<addData><data name="ladder_ros/negated" handleUnknown="implementation">'
+            '<negated value="true"/></data></addData>')
 
 
 def _negated(negated: bool) -> str:

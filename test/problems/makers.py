@@ -14,12 +14,14 @@ from typing import Any
 from runtime.handmade import executable, Variables
 import yaml
 
-from ladder_ros.compiler.background import CompilerProcess
+from ladder_ros.background.process import CompilerProcess
 from ladder_ros.compiler.il_text import parse_il
+from ladder_ros.compiler.pipeline import analyse
 from ladder_ros.compiler.symbols import Resolved
 from ladder_ros.compiler.wiring import End, Net, Part, Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import LadderError, render
+from ladder_ros.edit.aov_to_rung import draw_rung
 from ladder_ros.model.component import Contact, Placement
 from ladder_ros.model.program import Rung
 from ladder_ros.runtime.clock import SimulatedClock
@@ -27,6 +29,7 @@ from ladder_ros.runtime.retain_store import load_retained, Retained, save_retain
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
 from ladder_ros.runtime.simulation import Simulation
 from ladder_ros.session import compile_file, export, replay, Session
+from ladder_ros.source.xml_to_model import parse_program
 
 
 def _error_of(action: Callable[[], object]) -> str:
@@ -200,6 +203,14 @@ def busy_compiler(folder: Path) -> str:
         rclpy.shutdown(context=context)
 
 
+def impossible_order(folder: Path) -> str:
+    """Draw a graph whose order of evaluation no drawing has."""
+    program = parse_program((folder / 'program.xml').read_bytes(), 'program.xml')
+    aov = analyse(program).graphs['body main'][0]
+    backwards = replace(aov, symbols=aov.symbols[::-1])
+    return _error_of(lambda: draw_rung(backwards, rung_id='1'))
+
+
 MAKERS: Mapping[str, Callable[[Path], str]] = {
     'L0313': power_loop,
     'L0402': bad_instruction_list,
@@ -216,5 +227,6 @@ MAKERS: Mapping[str, Callable[[Path], str]] = {
     'L0606': unknown_parameter,
     'L0609': dropped_variable,
     'L0610': busy_compiler,
+    'L0620': impossible_order,
 }
 """By the problem's code: what gives the text of the page, from the folder with its files."""

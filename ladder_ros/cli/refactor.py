@@ -1,0 +1,130 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""``ladder refactor``: find what repeats, make composites of it, and take them apart again."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from ladder_ros import refactoring
+from ladder_ros.cli.programs import find_program
+from ladder_ros.cli.verb import add_json, add_output, Answer, Verb
+from ladder_ros.refactoring import Edit, Repeat
+
+_Parser = argparse.ArgumentParser
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Action:
+    """One word behind the program: its options, and what it does."""
+
+    summary: str
+    add: Callable[[_Parser], None]
+    run: Callable[[argparse.Namespace], Answer]
+
+
+def _add_arguments(parser: _Parser) -> None:
+    actions = parser.add_subparsers(dest='action', metavar='ACTION', required=True)
+    for name, action in ACTIONS.items():
+        one = actions.add_parser(
+            name, help=action.summary, description=action.summary, allow_abbrev=False)
+        action.add(one)
+        add_json(one)
+
+
+def _run(args: argparse.Namespace) -> Answer:
+    args.program = find_program(args.program)
+    return ACTIONS[args.action].run(args)
+
+
+def _edited(edit: Edit, args: argparse.Namespace) -> Answer:
+    """Answer with the new program, or with what was done to it where that goes to a file."""
+    facts: dict[str, object] = {'action': args.action, 'done': list(edit.done), **edit.facts}
+    if args.output is None:
+        facts['text'] = edit.text
+    return Answer(text=[edit.text], facts=facts, output=args.output, is_data=True)
+
+
+# -- finding --------------------------------------------------------------------------------------
+
+def _add_limit(parser: _Parser) -> None:
+    parser.add_argument(
+        '--most-parameters', metavar='N', type=int, default=refactoring.MOST_PARAMETERS,
+        help='parameters that a composite may have '
+             f'(default {refactoring.MOST_PARAMETERS})')
+
+
+def _find(args: argparse.Namespace) -> Answer:
+    found = refactoring.find(args.program, most_parameters=args.most_parameters)
+    return Answer(text=[line + '\n' for line in _repeats(found)],
+                  facts={'action': 'find', 'repeats': [repeat.to_json() for repeat in found]})
+
+
+def _repeats(found: Sequence[Repeat]) -> Iterator[str]:
+    if not found:
+        yield 'nothing repeats that would pay'
+        return
+    yield 'saves: components/parameter settings/connection settings'
+    for number, repeat in enumerate(found, 1):
+        yield ''
+        yield (f'{number}. {len(repeat.occurrences)} times {repeat.occurrences[0].counts}, '
+               f'{len(repeat.fit.parameters)} parameters, saves {repeat.saving}')
+        for occurrence in repeat.occurrences:
+            yield f'   {occurrence}'
+
+
+def _add_auto(parser: _Parser) -> None:
+    _add_limit(parser)
+    add_output(parser)
+
+
+def _auto(args: argparse.Namespace) -> Answer:
+    return _edited(
+        refactoring.auto(args.program, most_parameters=args.most_parameters), args)
+
+
+# -- extracting -----------------------------------------------------------------------------------
+
+def _add_extract(parser: _Parser) -> None:
+    _add_pou(parser)
+    parser.add_argument('--rungs', metavar='ID', nargs='+', required=True,
+                        help='the rungs, neighbours of each other')
+    parser.add_argument('--name', required=True, help='of the new composite')
+    parser.add_argument('--everywhere', action='store_true',
+                        help='replace all that are the same up to renaming')
+    parser.add_argument('--category', default='', help='where it stands in the library')
+    parser.add_argument('--specification', default='', help='what it does')
+    add_output(parser)
+
+
+def _add_pou(parser: _Parser) -> None:
+    parser.add_argument('--pou', metavar='NAME', default='',
+                        help='the body or composite; not needed if there is just one body')
+
+
+def _extract(args: argparse.Namespace) -> Answer:
+    return _edited(refactoring.extract(
+        args.program, pou=args.pou, rungs=args.rungs, name=args.name, everywhere=args.everywhere,
+        category=args.category, specification=args.specification), args)
+
+
+ACTIONS: Mapping[str, _Action] = {
+    'find': _Action(summary='list what repeats, what saves most first', add=_add_limit, run=_find),
+    'auto': _Action(summary='make composites of what repeats until nothing pays', add=_add_auto,
+                    run=_auto),
+    'extract': _Action(summary='make a composite of some rungs', add=_add_extract, run=_extract),
+}
+"""The words that may stand behind the program."""
+
+VERB = Verb(
+    name='refactor',
+    summary='find what repeats, make composites of it',
+    description='Find what repeats in a program, make composite components of it, and take them '
+                'apart again. What the program does stays the same, and an online change to the '
+                'new program keeps its state. The new program goes to standard output or a file.',
+    examples=('refactor elevator_3_floor_flat.xml find',
+              'refactor elevator_3_floor_flat.xml auto -o smaller.xml',
+              'refactor old.xml extract --rungs 6 7 --name Indicator --everywhere -o new.xml'),
+    add_arguments=_add_arguments, run=_run)
