@@ -169,9 +169,10 @@ def dropped_variable(folder: Path) -> str:
     """Resolve the I/O map for the program without its variable motor."""
     from ladder_ros.ros.io_map import resolve_io
     from ladder_ros.ros.parameters import read_settings
-    compiled = compile_file(folder / 'program.xml').executable
-    slots = tuple(slot for slot in compiled.slots if slot.path != 'motor')
-    changed = replace(compiled, slots=slots, by_path={s.path.casefold(): s for s in slots})
+    file = folder / 'program.xml'
+    text = file.read_text(encoding='utf-8')
+    file.write_text(text.replace('"motor"', '"gate"'), encoding='utf-8')
+    changed = compile_file(file).executable
     entries = read_settings(overrides(folder))[0].io
     return render(resolve_io(changed, entries, lambda topic: topic, strict=False).warnings)
 
