@@ -35,6 +35,12 @@ ROS_WHEELS = (
     'ros-jazzy-std-srvs >= 5.3.6, < 6',
 )
 
+# Message types that the tests map fields of; nothing in the package needs them.
+TEST_WHEELS = (
+    'ros-jazzy-geometry-msgs >= 5.3.6, < 6',
+    'ros-jazzy-sensor-msgs >= 5.3.6, < 6',
+)
+
 
 def shared_files() -> list[tuple[str, list[str]]]:
     """List the files of the share folder as ``data_files``: (folder there, files here)."""
@@ -97,6 +103,7 @@ setup(
             'ruff >= 0.6',
             'setuptools >= 70.1',
             'types-PyYAML >= 6.0',
+            *(f'{wheel} ; {ROS_WHEELS_EXIST}' for wheel in TEST_WHEELS),
         ],
     },
     entry_points={

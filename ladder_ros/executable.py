@@ -15,7 +15,7 @@ from enum import Enum
 from typing import Generic, overload, TypeVar
 
 from ladder_ros.diagnostics import Location
-from ladder_ros.model.types import DataType, Value
+from ladder_ros.model.types import DataType, normal_address, Value
 
 _T = TypeVar('_T')
 
@@ -281,8 +281,9 @@ class Executable:
         """
         slot = self.by_path.get(path.casefold())
         if slot is None and path.startswith('%'):
+            address = normal_address(path)
             located = (self.slots[index] for index in self.outline.located)
-            return next((s for s in located if s.address.upper() == path.upper()), None)
+            return next((s for s in located if normal_address(s.address) == address), None)
         return slot
 
     def io(self) -> tuple[Slot, ...]:

@@ -202,7 +202,7 @@ _RUNNING = (
 
 _ROS = (
     _error('L0601', 'the I/O map names {name}, which is no variable of the program',
-           'correct or remove the entry io.{name}{hint}'),
+           'correct or remove the entry {parameter}{hint}'),
     _error('L0602', 'message type {type} does not fit {name}', '{expected}'),
     _error('L0603', '{topic} is no legal topic name', '{reason}'),
     _error('L0604', 'parameter {name} has a bad value', '{expected}'),
@@ -216,6 +216,10 @@ _ROS = (
              'the entry rests until a program with this variable is loaded'),
     _error('L0610', 'the program was not loaded in time: {reason}', '{expected}'),
     _error('L0611', 'the recording of topics cannot be used: {reason}', '{expected}'),
+    _error('L0612', 'there is no message type {type}', '{expected}'),
+    _error('L0613', 'the field {field} of {type} cannot be used: {reason}', '{hint}'),
+    _error('L0614', 'the field {field} of {topic} belongs to more than one variable',
+           'give {name} another field with io.{name}.field, or another topic'),
 )
 
 _EDITING = (

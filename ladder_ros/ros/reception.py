@@ -1,12 +1,13 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""What becomes of a message's field on its way into a program, and what if none comes.
+"""What becomes of a message on its way into a program, and what if none comes.
 
 Needs no ROS: recordings of topics go the same way as messages.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 import threading
 from typing import Any, Protocol
@@ -14,7 +15,8 @@ from typing import Any, Protocol
 from ladder_ros.executable import Executable
 from ladder_ros.model.types import Value
 from ladder_ros.ros.conversions import Misfit
-from ladder_ros.ros.io_map import Endpoint, InputPoint
+from ladder_ros.ros.fields import reader
+from ladder_ros.ros.io_points import Endpoint, InputPoint
 
 NOTHING = object()
 """Stands for no message."""
@@ -34,45 +36,60 @@ class Write(Protocol):
 class Reception:
     """What came in for one variable on one topic, and how fresh it is.
 
-    ``received`` counts good messages; ``seen`` of them the scan thread knows; ``fresh_at`` is scan
-    time in ns, None before the first scan after a start.  Under ``lock``, a value received goes
-    into the image as one step with its being noted here.
+    ``received`` counts good messages; ``seen`` of them the scan thread knows; ``misfit`` says why
+    the last bad one was ignored; ``fresh_at`` is scan time in ns, None before the first scan after
+    a start.  Under ``lock``, a value received goes into the image as one step with its being noted
+    here.
     """
 
     value: Value | None = None
     received: int = 0
     rejected: int = 0
+    misfit: Misfit | None = None
     seen: int = 0
     fresh_at: int | None = None
     stale: bool = False
     lock: threading.Lock = field(default_factory=threading.Lock)
 
 
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+@dataclass(slots=True, eq=False, kw_only=True)
 class Input:
     """One variable that a subscription feeds; ``write`` is for the program it belongs to."""
 
     point: InputPoint
     state: Reception
     write: Write
+    read: Callable[[Any], Any] = field(init=False)
 
-    def receive(self, data: Any) -> None:
-        """Take a message's field; a value that the variable cannot hold is counted only."""
+    def __post_init__(self) -> None:
+        """Prepare the way to the field."""
+        self.read = reader(self.point.field)
+
+    def receive(self, message: Any) -> None:
+        """Take a message; a value that the variable cannot hold is counted only."""
         state = self.state
-        value = self.point.conversion.decode(data)
+        value = self._value(message, state.value)
         if isinstance(value, Misfit):
             state.rejected += 1
+            state.misfit = value
             return
         with state.lock:
             state.value = value
             state.received += 1
             self.write(self.point.slot.index, value, catch_pulse=self.point.catch_pulse)
 
-    def recall(self, data: Any) -> None:
+    def recall(self, message: Any) -> None:
         """Note what came last on the topic, for a variable that is new on it."""
-        value = self.point.conversion.decode(data)
+        value = self._value(message, None)
         if self.state.value is None and not isinstance(value, Misfit):
             self.state.value = value
+
+    def _value(self, message: Any, last: Value | None) -> Value | Misfit:
+        try:
+            data = self.read(message)
+        except IndexError:
+            return Misfit.ABSENT
+        return self.point.conversion.decode(data, last)
 
     def enter(self) -> None:
         """Give the program, which is put in place, the value that the world has now."""
@@ -132,8 +149,8 @@ class Source:
     inputs: tuple[Input, ...] = ()
     last: Any = NOTHING
 
-    def receive(self, data: Any) -> None:
-        """Hand a message's field to every variable."""
-        self.last = data
+    def receive(self, message: Any) -> None:
+        """Hand a message to every variable."""
+        self.last = message
         for item in self.inputs:
-            item.receive(data)
+            item.receive(message)

@@ -168,13 +168,15 @@ def unknown_parameter(folder: Path) -> str:
 def dropped_variable(folder: Path) -> str:
     """Resolve the I/O map for the program without its variable motor."""
     from ladder_ros.ros.io_map import resolve_io
+    from ladder_ros.ros.message_types import installed_fields
     from ladder_ros.ros.parameters import read_settings
     file = folder / 'program.xml'
     text = file.read_text(encoding='utf-8')
     file.write_text(text.replace('"motor"', '"gate"'), encoding='utf-8')
     changed = compile_file(file).executable
     entries = read_settings(overrides(folder))[0].io
-    return render(resolve_io(changed, entries, lambda topic: topic, strict=False).warnings)
+    found = resolve_io(changed, entries, lambda topic: topic, installed_fields, strict=False)
+    return render(found.warnings)
 
 
 def busy_compiler(folder: Path) -> str:
