@@ -92,6 +92,7 @@ setup(
             'mypy >= 1.11',
             'pytest >= 7.4',
             'pytest-timeout >= 2.2',
+            'pytest-xdist >= 3.3',
             'rosbags >= 0.10.6, < 1',
             'ruff >= 0.6',
             'setuptools >= 70.1',

@@ -141,6 +141,8 @@ _NAMES = (
              'it keeps one state for all its calls; give each call an instance of its own'),
     _error('L0224', 'the index {index} is outside of {name}', 'it goes from {low} to {high}'),
     _error('L0225', '{name} may not stand {where}', '{reason}'),
+    _error('L0226', 'no network has the label {name}',
+           'draw the label at the network to go on with, or correct the name{hint}'),
 )
 
 _DRAWING = (

@@ -134,7 +134,7 @@ def _place(network: Network, frame: _Pending) -> Network:
             op=old.op, operand=operand(old.operand) if old.operand is not None else None,
             memory=ref(old.memory) if old.memory is not None else None,
             target=target(old.target) if old.target is not None else None,
-            call=call(old.call) if old.call is not None else None,
+            call=call(old.call) if old.call is not None else None, label=old.label,
             component=start + old.component if old.component else '')
         for old in network.code))
 

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.il import Network, Op
-from ladder_ros.compiler.il_to_st import StEmitter
+from ladder_ros.compiler.il_to_st import comment_line, StEmitter
 from ladder_ros.compiler.imported import needed_pous
 from ladder_ros.compiler.pipeline import analyse, build_trees, lower, Stages
 from ladder_ros.compiler.st_names import Identifiers, interface, literal, Names, user_names
@@ -189,11 +189,18 @@ class StWriter:
                          by_name=self.aliased)
 
     def emit(self, emitter: StEmitter, networks: Sequence[Network]) -> None:
-        """Emit networks one below the other."""
+        """Emit networks one below the other; parts of what they call are named from the start."""
+        for network in networks:
+            for instruction in network.code:
+                if instruction.op is Op.RUN and instruction.call is not None:
+                    composite = self.composites[instruction.call.name.casefold()]
+                    emitter.names.instance(instruction.call.instance, composite.name, composite)
+        if any(instruction.op is Op.JMP for network in networks for instruction in network.code):
+            emitter.dispatched(networks, emitter.names.temporary(DataType.INT))
+            return
         for network in networks:
             if len(networks) > 1 or network.comment:
-                text = network.comment.replace('*)', '* )').replace('(*', '( *')
-                emitter.put(f'(* {network.rung}{": " if text else ""}{text} *)')
+                emitter.put(comment_line(network))
             emitter.network(network.code)
 
     # -- programs ---------------------------------------------------------------------------

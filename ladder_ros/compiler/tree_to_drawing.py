@@ -21,6 +21,7 @@ from ladder_ros.model.component import (
     Component,
     Contact,
     Instance,
+    Jump,
     Placement,
     Row,
     Side,
@@ -39,7 +40,8 @@ def draw_forest(forest: Forest) -> Rung:
         place = drawing.put(tree, 0, top, top + 1)
         drawing.ends.append((place.x, top))
         top = max(place.bottom + 1, top + 1)
-    return Rung(id=forest.rung, width=drawing.width(), comment=forest.comment,
+    names = ''.join(f'{label}: ' for label in forest.labels)
+    return Rung(id=forest.rung, width=drawing.width(), comment=f'{names}{forest.comment}'.strip(),
                 components=tuple(drawing.finish()))
 
 
@@ -208,6 +210,8 @@ def _drawn(leaf: Leaf, place: Placement) -> Component:
     component = symbol.component
     if isinstance(component, (Contact, Coil)):
         return replace(component, placement=place, operand=operand_text(symbol))
+    if isinstance(component, Jump):
+        return replace(component, placement=place)
     assert isinstance(component, (Block, Instance))
     arguments = [Argument(pin=pin, operand=str(operand))
                  for pin, operand in symbol.resolved.inputs]

@@ -20,6 +20,7 @@ from ladder_ros.compiler.tree import (
     Forest,
     Fork,
     Leaf,
+    leaves,
     Load,
     Or,
     Pin,
@@ -30,11 +31,22 @@ from ladder_ros.compiler.tree import (
     Wire,
 )
 from ladder_ros.model.catalogue import CATALOGUE
-from ladder_ros.model.component import Block, Coil, CoilKind, Contact, ContactKind, Instance
+from ladder_ros.model.component import (
+    Block,
+    Coil,
+    CoilKind,
+    Contact,
+    ContactKind,
+    Instance,
+    Jump,
+)
 from ladder_ros.model.types import DataType
 
 _EXECUTE = 200_000
 """Temporaries of EXECUTE boxes count from here."""
+
+_JUMP = 300_000
+"""Temporaries that keep the power of jumps count from here."""
 
 _TRUE = Literal(value=True, type=DataType.BOOL)
 _SUFFIX = {
@@ -54,7 +66,24 @@ def lower_to_il(forest: Forest) -> Network:
         if lowering.code:
             lowering.code.append(Instruction(op=Op.DRP))
         lowering.lower(tree)
-    return Network(rung=forest.rung, code=tuple(lowering.code), comment=forest.comment)
+    jumps = sorted((
+        leaf.symbol for tree in forest.trees for leaf in leaves(tree)
+        if isinstance(leaf, Leaf) and isinstance(leaf.symbol.component, Jump)),
+        key=lambda symbol: symbol.id)
+    if jumps:
+        lowering.code.append(Instruction(op=Op.DRP))
+    for symbol in jumps:
+        lowering.code += _jump_instructions(symbol)
+    return Network(rung=forest.rung, code=tuple(lowering.code), comment=forest.comment,
+                   labels=forest.labels)
+
+
+def _jump_instructions(symbol: SymbolVertex) -> list[Instruction]:
+    """Jump at the end of a network, as the power that was kept says (IEC 61131-3, 8.1.4)."""
+    assert isinstance(symbol.component, Jump)
+    label = symbol.component.label
+    return [Instruction(op=Op.LD, operand=temporary(_JUMP + symbol.id)),
+            Instruction(op=Op.JMP if label else Op.RET, label=label)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,6 +221,9 @@ def _transfer_instructions(leaf: Leaf) -> list[Instruction]:
     if isinstance(component, Coil):
         return [Instruction(op=_STORE[component.kind], operand=symbol.resolved.operand,
                             memory=symbol.memory, component=symbol.path)]
+    if isinstance(component, Jump):
+        return [Instruction(op=Op.STN if component.negated else Op.ST,
+                            operand=temporary(_JUMP + symbol.id), component=symbol.path)]
     if isinstance(component, Instance):
         call = Call(name=component.composite, instance=symbol.instance,
                     inputs=symbol.resolved.inputs)

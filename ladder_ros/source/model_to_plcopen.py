@@ -23,6 +23,8 @@ from ladder_ros.model.component import (
     ContactKind,
     Instance,
     InVariable,
+    Jump,
+    Label,
     OutVariable,
     PinEdge,
 )
@@ -36,7 +38,7 @@ from ladder_ros.model.derived import (
     Subrange,
     Type,
 )
-from ladder_ros.model.program import Rung, Wire
+from ladder_ros.model.program import Order, Rung, Wire
 from ladder_ros.model.types import DataType, format_literal, NS_PER_MS, Value
 
 RAIL_X = 20
@@ -258,14 +260,27 @@ class _Writer:
                '<connectionPointOut formalParameter=""><relPosition x="3" y="20"/>'
                '</connectionPointOut></leftPowerRail>')
         shapes = _Shapes(ids=ids, wires=wires, places=places, pins=pins, project=self.project)
+        is_numbered, order = _is_numbered(rung), 0
         for component in rung.components:
-            yield from shapes.component(component)
+            number = 0
+            if is_numbered and isinstance(
+                component, (Coil, OutVariable, Jump, Label, Block, Instance)):
+                order += 1
+                number = order
+            yield from shapes.component(component, number)
         ends = [ids[c.id] for c in rung.components if isinstance(c, Coil)]
         yield (f'            <rightPowerRail localId="{ids["right"]}" width="3" '
                f'height="{bottom + 20}"><position x="{right + 60}" y="0"/>'
                '<connectionPointIn><relPosition x="0" y="20"/>'
                + ''.join(f'<connection refLocalId="{end}"/>' for end in ends)
                + '</connectionPointIn></rightPowerRail>')
+
+
+def _is_numbered(rung: Rung) -> bool:
+    """Say whether numbers must tell the order: where neither positions nor the document do."""
+    spots = {(c.placement.x, c.placement.y) for c in rung.components}
+    return rung.order is Order.DOCUMENT and (
+        len(spots) > 1 or any(isinstance(c, Jump) and c.at_once for c in rung.components))
 
 
 def _local_ids(components: Sequence[Component]) -> dict[str, str]:
@@ -292,11 +307,12 @@ class _Shapes:
     pins: Mapping[str, Mapping[str, None]]
     project: Project
 
-    def component(self, component: Component) -> Iterator[str]:
-        """Yield an element."""
+    def component(self, component: Component, order: int) -> Iterator[str]:
+        """Yield an element; ``order`` is its place among the statements, 0 for none."""
         place = component.placement
+        number = f' executionOrderId="{order}"' if order else ''
         head = (f'localId="{self.ids[component.id]}" width="{max(place.width, 1)}" '
-                f'height="{max(place.height, 1)}"')
+                f'height="{max(place.height, 1)}"{number}')
         at = f'<position x="{place.x}" y="{place.y}"/>'
         match component:
             case Contact():
@@ -315,6 +331,13 @@ class _Shapes:
                 yield (f'            <outVariable {head}{_negated(component.negated)}>{at}'
                        f'{self.taken(component, "")}'
                        f'<expression>{escape(component.operand)}</expression></outVariable>')
+            case Jump():
+                tag = f'jump label={quoteattr(component.label)}' if component.label else 'return'
+                yield (f'            <{tag} {head}>{at}'
+                       f'{self.taken(component, "")}{_inverted(component)}</{tag.split()[0]}>')
+            case Label():
+                yield (f'            <label label={quoteattr(component.label)} {head}>{at}'
+                       '</label>')
             case Block() | Instance():
                 yield from self.block(component, head, at)
             case _:
@@ -416,6 +439,14 @@ def pin_y(index: int) -> int:
 
 def _middle(component: Component) -> int:
     return max(component.placement.height, 1) // 2
+
+
+def _inverted(jump: Jump) -> str:
+    """Return what says that a jump is negated: the format has no attribute for that."""
+    if not jump.negated:
+        return ''
+    return ('<addData><data name="ladder_ros/negated" handleUnknown="implementation">'
+            '<negated value="true"/></data></addData>')
 
 
 def _negated(negated: bool) -> str:
