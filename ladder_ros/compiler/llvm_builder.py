@@ -57,6 +57,8 @@ class Builder:
     lines: list[str] = field(default_factory=list)
     needs: dict[str, None] = field(default_factory=dict)
     count: int = 0
+    truths: dict[str, Val] = field(default_factory=dict)
+    """BOOLs that were the results of comparisons, by name."""
 
     # types and constants
 
@@ -156,6 +158,8 @@ class Builder:
 
     def truth(self, word: Val) -> Val:
         """Return a BOOL as the condition of a select, or of a branch of one lane."""
+        if word.text in self.truths:
+            return self.truths[word.text]
         if self.lanes == 1:
             return self.let(f'trunc i8 {word.text} to i1', TRUTH)
         return self.let(f'bitcast i{self.lanes} {word.text} to <{self.lanes} x i1>', TRUTH)
@@ -163,8 +167,12 @@ class Builder:
     def word(self, truth: Val) -> Val:
         """Return a comparison's result as a BOOL."""
         if self.lanes == 1:
-            return self.let(f'zext i1 {truth.text} to i8', WORD)
-        return self.let(f'bitcast <{self.lanes} x i1> {truth.text} to i{self.lanes}', WORD)
+            word = self.let(f'zext i1 {truth.text} to i8', WORD)
+        else:
+            word = self.let(
+                f'bitcast <{self.lanes} x i1> {truth.text} to i{self.lanes}', WORD)
+        self.truths[word.text] = truth
+        return word
 
     def select(self, condition: Val, first: Val, second: Val) -> Val:
         """Return ``first`` where the condition, a BOOL, is TRUE, else ``second``."""
