@@ -8,13 +8,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
+import sys
 import threading
 from typing import Any
+from unittest.mock import patch
 
 from runtime.handmade import executable, Variables
+from support.documents import ROOT
 import yaml
 
 from ladder_ros.background.process import CompilerProcess
+from ladder_ros.compiler import llvm_machine
 from ladder_ros.compiler.il_text import parse_il
 from ladder_ros.compiler.pipeline import analyse
 from ladder_ros.compiler.symbols import Resolved
@@ -141,6 +145,21 @@ def no_recording(folder: Path) -> str:
     return _error_of(lambda: replay(folder / 'program.xml', [])).replace(f'{folder}/', '')
 
 
+def no_llvm(_folder: Path) -> str:
+    """Compile for the backend native as if llvmlite were not installed."""
+    caches = (llvm_machine.why_missing, llvm_machine._machine, llvm_machine._llvm)
+    for cached in caches:
+        cached.cache_clear()
+    try:
+        with patch.dict(sys.modules, {'llvmlite': None, 'llvmlite.binding': None}):
+            loaded = compile_file(ROOT / 'programs' / 'start_stop.xml', 'native')
+    finally:
+        for cached in caches:
+            cached.cache_clear()
+    assert loaded.executable.backend == 'python'
+    return render(loaded.diagnostics).replace(f'{ROOT / "programs"}/', '')
+
+
 # -- the node -------------------------------------------------------------------------------------
 
 def overrides(folder: Path) -> dict[str, Any]:
@@ -225,6 +244,7 @@ MAKERS: Mapping[str, Callable[[Path], str]] = {
     'L0524': missing_folder,
     'L0525': watchdog,
     'L0526': no_recording,
+    'L0530': no_llvm,
     'L0606': unknown_parameter,
     'L0609': dropped_variable,
     'L0610': busy_compiler,
