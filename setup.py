@@ -85,6 +85,7 @@ setup(
     ],
     extras_require={
         'ros': [f'{wheel} ; {ROS_WHEELS_EXIST}' for wheel in ROS_WHEELS],
+        'prove': ['z3-solver >= 4.8.12'],
         'bag': ['rosbags >= 0.10.6, < 1'],
         'test': [
             'hypothesis >= 6.80',
@@ -96,6 +97,7 @@ setup(
             'ruff >= 0.6',
             'setuptools >= 70.1',
             'types-PyYAML >= 6.0',
+            'z3-solver >= 4.8.12',
         ],
     },
     entry_points={

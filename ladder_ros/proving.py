@@ -14,26 +14,31 @@ import time
 
 from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.executable import Executable, Slot
+from ladder_ros.model.program import Program
 from ladder_ros.model.types import NS_PER_MS, Value
 from ladder_ros.refactor.equivalence.decide import decide, Limits
+from ladder_ros.refactor.equivalence.expressions import Condition, read_condition
+from ladder_ros.refactor.equivalence.properties import checker, decide_never
 from ladder_ros.refactor.equivalence.relation import Relation, Source
 from ladder_ros.refactor.equivalence.report import Answer, Finding, Trace
 from ladder_ros.refactor.equivalence.subject import Subject, Turn
+from ladder_ros.runtime.names import find_slot
 from ladder_ros.runtime.scan_cycle import ScanCycle
-from ladder_ros.runtime.state_plan import plan_state, StatePlan
+from ladder_ros.runtime.state_plan import plan_state
 from ladder_ros.runtime.tasks import make_tasks
 from ladder_ros.runtime.trace_csv import format_rows
 from ladder_ros.runtime.values import format_value
-from ladder_ros.source.read_any import parse_any, read_any
+from ladder_ros.source.read_any import read_any
 
 __all__ = [
     'DEFAULT_DEPTH',
     'DEFAULT_TIMEOUT_S',
     'Answer',
-    'Difference',
     'Proof',
+    'Shown',
     'prove_alike',
-    'prove_bytes',
+    'prove_never',
+    'prove_programs',
 ]
 
 DEFAULT_DEPTH = 20
@@ -42,30 +47,30 @@ DEFAULT_TIMEOUT_S = 60.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Difference:
-    """What a run of both programs on a trace has shown: in which scan, which outputs.
+class Shown:
+    """What a run on a trace has shown: after which scan, and the values of which variables.
 
-    ``outputs`` are (path, value in the old program, value in the new one) as text.
+    ``values`` are (path, value in the old program, value in the new one) as text; of a property
+    the last is empty.
     """
 
     scan: int
-    outputs: tuple[tuple[str, str, str], ...]
+    values: tuple[tuple[str, str, str], ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Proof:
-    """The answer to whether two programs behave alike.
+    """The answer to ``question``: ``alike``, or a property such as ``never A AND B``.
 
-    With a trace: its inputs as a table (``inputs``, CSV for ``ladder simulate``).
+    With a trace: its inputs as a table (``inputs``, CSV for ``ladder simulate``), and what it
+    has ``shown``.
     """
 
+    question: str
     answer: Answer
-    old: str
-    new: str
     reason: str = ''
     assumed: str = ''
-    notes: tuple[str, ...] = ()
-    difference: Difference | None = None
+    shown: Shown | None = None
     inputs: str = ''
     scans: int = 0
     interval_ns: int = 0
@@ -74,25 +79,34 @@ class Proof:
     questions: int = 0
     depth: int = 0
 
+    @property
+    def word(self) -> str:
+        """The answer in one word."""
+        return _WORDS[self.question == ALIKE, self.answer]
+
     def to_json(self) -> dict[str, object]:
         """Return it as plain JSON data."""
         found: dict[str, object] = {
-            'answer': _WORDS[self.answer], 'reason': self.reason or None,
-            'assumed': self.assumed or None, 'notes': list(self.notes), 'trace': None,
+            'question': self.question, 'answer': self.word, 'reason': self.reason or None,
+            'assumed': self.assumed or None, 'trace': None,
             'effort': {'questions': self.questions, 'depth': self.depth},
         }
-        if self.difference is not None:
+        if self.shown is not None:
             found['trace'] = {
                 'scans': self.scans, 'interval_ms': self.interval_ns / NS_PER_MS,
                 'change_before': self.change_before, 'shortest': self.is_shortest,
-                'inputs': self.inputs, 'differs_in_scan': self.difference.scan,
-                'outputs': [{'name': name, 'old': old, 'new': new}
-                            for name, old, new in self.difference.outputs],
+                'inputs': self.inputs, 'scan': self.shown.scan,
+                'values': [{'name': name, 'old': old, 'new': new or None}
+                           for name, old, new in self.shown.values],
             }
         return found
 
 
-_WORDS = {Answer.YES: 'equivalent', Answer.NO: 'different', Answer.UNKNOWN: 'unknown'}
+ALIKE = 'alike'
+_WORDS = {
+    (True, Answer.YES): 'equivalent', (True, Answer.NO): 'different',
+    (False, Answer.YES): 'proved', (False, Answer.NO): 'violated',
+    (True, Answer.UNKNOWN): 'unknown', (False, Answer.UNKNOWN): 'unknown'}
 
 
 def prove_alike(
@@ -104,21 +118,29 @@ def prove_alike(
     From a start, and with ``after_change`` also where ``new`` takes over from ``old``.  Raises
     LadderError if one of them does not compile, L0670 if there is no solver.
     """
-    subjects = _subject(read_any(old)), _subject(read_any(new))
-    return _alike(subjects, depth, timeout_s, after_change)
+    return prove_programs(read_any(old), read_any(new), depth=depth, timeout_s=timeout_s,
+                          after_change=after_change)
 
 
-def prove_bytes(
-    old: tuple[bytes, str], new: tuple[bytes, str], *, depth: int = DEFAULT_DEPTH,
-    timeout_s: float = DEFAULT_TIMEOUT_S,
+def prove_programs(
+    old: Program, new: Program, *, depth: int = DEFAULT_DEPTH,
+    timeout_s: float = DEFAULT_TIMEOUT_S, after_change: bool = True,
 ) -> Proof:
-    """Decide it of the bytes of two files (with the files' names); see :func:`prove_alike`."""
-    subjects = _subject(parse_any(*old)), _subject(parse_any(*new))
-    return _alike(subjects, depth, timeout_s, after_change=True)
+    """Decide it of programs that have been read; see :func:`prove_alike`."""
+    left = _countdown(timeout_s)
+    first, second = subject_of(old), subject_of(new)
+    before, after = first.executable, second.executable
+    finding = decide(
+        first, second, relate(first, second), Limits(depth=depth, left=left),
+        lambda trace: run_both(before, after, trace) is not None, after_change=after_change)
+    trace = finding.trace
+    return _with_trace(
+        _report(ALIKE, finding), before, trace, run_both(before, after, trace) if trace else None)
 
 
-def _subject(program: object) -> Subject:
-    compilation = compile_program(program)  # type: ignore[arg-type]
+def subject_of(program: Program) -> Subject:
+    """Return a program as something to be proved of.  Raises LadderError."""
+    compilation = compile_program(program)
     executable = compilation.executable
     tasks, interval = make_tasks(executable)
     assert compilation.code is not None
@@ -129,17 +151,43 @@ def _subject(program: object) -> Subject:
         play=lambda: ScanCycle(executable))
 
 
-def _alike(
-    subjects: tuple[Subject, Subject], depth: int, timeout_s: float, after_change: bool,
+def prove_never(
+    path: str | os.PathLike[str], expression: str, *, always: bool = False,
+    depth: int = DEFAULT_DEPTH, timeout_s: float = DEFAULT_TIMEOUT_S,
 ) -> Proof:
-    old, new = subjects
-    plan = plan_state(old.executable, new.executable)
-    finding = decide(
-        old, new, _relation(old, new, plan),
-        Limits(depth=depth, left=_countdown(timeout_s)),
-        lambda trace: run_both(old.executable, new.executable, trace) is not None,
-        after_change=after_change)
-    return _report(old.executable, new.executable, finding)
+    """Decide whether an expression (Structured Text) is TRUE after no scan, or after every one.
+
+    Raises LadderError: L0502 for an unknown variable, L0120 and others for a wrong expression,
+    those of a program that does not compile, L0670 if there is no solver.
+    """
+    subject = subject_of(read_any(path))
+    executable = subject.executable
+    condition = read_condition(
+        f'NOT ({expression})' if always else expression,
+        lambda name, place: find_slot(executable, name, place))
+
+    def run(trace: Trace) -> Shown | None:
+        return run_until(subject, condition, trace)
+
+    finding = decide_never(
+        subject, condition, Limits(depth=depth, left=_countdown(timeout_s)),
+        lambda trace: run(trace) is not None)
+    trace = finding.trace
+    question = f'{"always" if always else "never"} {expression}'
+    return _with_trace(
+        _report(question, finding), executable, trace, run(trace) if trace else None)
+
+
+def run_until(subject: Subject, condition: Condition, trace: Trace) -> Shown | None:
+    """Run a program on a trace until a condition is TRUE; return the values it speaks of."""
+    cycle, check = ScanCycle(subject.executable), checker(subject, condition)
+    for number, row in enumerate(trace.rows):
+        _run(cycle, row, number * trace.interval)
+        if check(cycle.state):
+            slots = [subject.executable.by_path[path] for path in condition.paths]
+            return Shown(scan=number, values=tuple(
+                (s.path, format_value(cycle.state[s.index], s.type), '') for s in slots))
+    return None
 
 
 def _countdown(timeout_s: float) -> Callable[[], float]:
@@ -147,8 +195,9 @@ def _countdown(timeout_s: float) -> Callable[[], float]:
     return lambda: end - time.monotonic()
 
 
-def _relation(old: Subject, new: Subject, plan: StatePlan) -> Relation:
+def relate(old: Subject, new: Subject) -> Relation:
     """Return what an online change makes of the state, tasks included."""
+    plan = plan_state(old.executable, new.executable)
     sources = {target: Source(old=source) for source, target in plan.moves.items()}
     for source, target, _ in plan.conversions:
         before, after = old.executable.slots[source].type, new.executable.slots[target].type
@@ -176,7 +225,7 @@ def _single(subject: Subject, turn: Turn) -> str:
 
 # -- running a trace ----------------------------------------------------------------------------
 
-def run_both(old: Executable, new: Executable, trace: Trace) -> Difference | None:
+def run_both(old: Executable, new: Executable, trace: Trace) -> Shown | None:
     """Run both programs on a trace; return the first difference of what is compared."""
     first = ScanCycle(old)
     second = None if trace.change_before is not None else ScanCycle(new)
@@ -193,7 +242,7 @@ def run_both(old: Executable, new: Executable, trace: Trace) -> Difference | Non
              format_value(second.state[b.index], b.type))
             for a, b in pairs if repr(first.state[a.index]) != repr(second.state[b.index]))
         if found:
-            return Difference(scan=number, outputs=found)
+            return Shown(scan=number, values=found)
     return None
 
 
@@ -212,22 +261,27 @@ def _compared(old: Executable, new: Executable) -> list[tuple[Slot, Slot]]:
             if a.slot_class is b.slot_class and b.slot_class.value in classes]
 
 
-def _report(old: Executable, new: Executable, finding: Finding) -> Proof:
-    proof = Proof(
-        answer=finding.answer, old=old.name, new=new.name, reason=finding.reason,
+def _report(question: str, finding: Finding) -> Proof:
+    return Proof(
+        question=question, answer=finding.answer, reason=finding.reason,
         assumed=finding.assumed, questions=finding.effort.questions, depth=finding.effort.depth)
-    trace = finding.trace
+
+
+def _with_trace(
+    proof: Proof, executable: Executable, trace: Trace | None, shown: Shown | None,
+) -> Proof:
+    """Add a trace to an answer that has one: as much of it as shows something."""
     if trace is None:
         return proof
-    difference = run_both(old, new, trace)
-    assert difference is not None, 'it was confirmed'
+    assert shown is not None, 'it was confirmed'
+    rows = trace.rows[:shown.scan + 1]
     return replace(
-        proof, difference=difference, inputs=''.join(table(old, trace.rows)),
-        scans=difference.scan + 1, interval_ns=trace.interval, change_before=trace.change_before,
+        proof, shown=shown, inputs=''.join(_table(executable, rows)), scans=len(rows),
+        interval_ns=trace.interval, change_before=trace.change_before,
         is_shortest=trace.is_shortest)
 
 
-def table(executable: Executable, rows: tuple[Mapping[int, Value], ...]) -> Iterator[str]:
+def _table(executable: Executable, rows: tuple[Mapping[int, Value], ...]) -> Iterator[str]:
     """Yield the lines of the inputs as CSV."""
     slots = [executable.slots[index] for index in sorted(rows[0])] if rows else []
     return format_rows(slots, ([row[slot.index] for slot in slots] for row in rows))

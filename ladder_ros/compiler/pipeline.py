@@ -103,7 +103,8 @@ def compile_program(
         tasks=tasks, rungs=list_rungs(program),
         routines=list_routines(code, index))
     return Compilation(
-        executable=executable, code=code, diagnostics=stages.diagnostics + check_coils(code, components))
+        executable=executable, code=code,
+        diagnostics=stages.diagnostics + check_coils(code, components))
 
 
 def completed(program: Program, *, stubs: bool = False) -> Program:

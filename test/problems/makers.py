@@ -10,6 +10,7 @@ from itertools import count
 from pathlib import Path
 import threading
 from typing import Any
+from unittest import mock
 
 from runtime.handmade import executable, Variables
 import yaml
@@ -22,6 +23,7 @@ from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import LadderError, render
 from ladder_ros.model.component import Contact, Placement
 from ladder_ros.model.program import Rung
+from ladder_ros.proving import prove_never
 from ladder_ros.runtime.clock import SimulatedClock
 from ladder_ros.runtime.retain_store import load_retained, Retained, save_retained
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
@@ -138,6 +140,12 @@ def no_recording(folder: Path) -> str:
     return _error_of(lambda: replay(folder / 'program.xml', [])).replace(f'{folder}/', '')
 
 
+def no_solver(folder: Path) -> str:
+    """Prove something where the solver is not installed."""
+    with mock.patch('ladder_ros.refactor.equivalence.to_z3.z3', None):
+        return _error_of(lambda: prove_never(folder / 'program.xml', 'motor'))
+
+
 # -- the node -------------------------------------------------------------------------------------
 
 def overrides(folder: Path) -> dict[str, Any]:
@@ -214,5 +222,6 @@ MAKERS: Mapping[str, Callable[[Path], str]] = {
     'L0606': unknown_parameter,
     'L0609': dropped_variable,
     'L0610': busy_compiler,
+    'L0670': no_solver,
 }
 """By the problem's code: what gives the text of the page, from the folder with its files."""

@@ -3,9 +3,9 @@
 """Function blocks -> terms: a block's own step, followed along every path through its code.
 
 The step is called with values that ask, where the code tests one, which way to go.  It is called
-again for each way until all have been gone; the results are put together by the tests.  So there is
-no second definition of a timer that could differ from the one that runs.  A step that does what
-terms cannot follow (rounding a REAL) is applied as it is: equal for equal inputs.
+again for each way until all have been gone; the results are put together by the tests.  So there
+is no second definition of a timer that could differ from the one that runs.  A step that does
+what terms cannot follow (rounding a REAL) is applied as it is: equal for equal inputs.
 """
 
 from __future__ import annotations

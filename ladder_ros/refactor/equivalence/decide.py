@@ -22,7 +22,7 @@ from ladder_ros.refactor.equivalence.relation import Relation
 from ladder_ros.refactor.equivalence.report import Answer, Effort, Finding, Trace
 from ladder_ros.refactor.equivalence.subject import Subject
 from ladder_ros.refactor.equivalence.to_z3 import require_solver
-from ladder_ros.refactor.equivalence.trials import Trials, try_out
+from ladder_ros.refactor.equivalence.trials import differs, SCANS, Trials, try_out
 from ladder_ros.refactor.equivalence.unroll import Unrolling
 
 DEFAULT_INTERVAL = 10 * NS_PER_MS
@@ -85,7 +85,11 @@ class _Decision:
             return self.prove() or self.refute()
         except UnsupportedError as error:
             self.doubt = str(error)
-        return self.by_trial(try_out(self.product)) or self.unknown(self.doubt)
+        return self.by_trial(self.trials()) or self.unknown(self.doubt)
+
+    def trials(self, scans: int = SCANS, seed: int = 1) -> Trials:
+        """Return what random scans show."""
+        return try_out(self.product, differs(self.product), scans=scans, seed=seed)
 
     # -- proving
 
@@ -93,8 +97,8 @@ class _Decision:
         """Return a proof, or a difference that was met on the way."""
         if self.is_inductive(pairs_of(self.product)):
             return self.found(Answer.YES)
-        trials = try_out(self.product)
-        if trials.difference is not None:
+        trials = self.trials()
+        if trials.trace is not None:
             return self.shortest(trials)
         kept = [True, False] if self.after_change else [False]
         for after_change in kept:
@@ -134,7 +138,7 @@ class _Decision:
             trace = self.unroll_changes()
             if trace is not None:
                 return self.found(Answer.NO, trace=trace)
-        found = self.by_trial(try_out(self.product, scans=_LONG_TRIAL, seed=2))
+        found = self.by_trial(self.trials(_LONG_TRIAL, seed=2))
         return found or self.unknown(
             self.doubt or f'no difference within {self.effort.depth} scans from a start, and the '
             'outputs are not equal in every state that is related')
@@ -194,8 +198,8 @@ class _Decision:
 
     def shortest(self, trials: Trials) -> Finding | None:
         """Return the shortest difference, where random scans have shown one."""
-        assert trials.difference is not None
-        depth = min(self.limits.depth, len(trials.difference.rows))
+        assert trials.trace is not None
+        depth = min(self.limits.depth, len(trials.trace.rows))
         trace = self.unroll(self.own_interval, depth)
         trace = trace or self.unroll(None, depth)
         if trace is not None:
@@ -204,9 +208,9 @@ class _Decision:
 
     def by_trial(self, trials: Trials) -> Finding | None:
         """Return a difference that random scans have shown, if a run confirms it."""
-        if trials.difference is None or not self.confirm(trials.difference):
+        if trials.trace is None or not self.confirm(trials.trace):
             return None
-        return self.found(Answer.NO, trace=trials.difference)
+        return self.found(Answer.NO, trace=trials.trace)
 
     def found(
         self, answer: Answer, *, trace: Trace | None = None, assumed: str = '',

@@ -3,14 +3,15 @@
 """Calls of the catalogue's functions -> terms: what they compute, and whether they are fine.
 
 Few operators are left: ADD SUB MUL DIV MOD ABS LT LE EQ of two, bitwise ones and shifts; the rest
-is made of these, of ITE and of constants.  A function that is not listed is applied as it is: equal
-for equal inputs, and computed where the inputs are constants.
+is made of these, of ITE and of constants.  A function that is not listed is applied as it is:
+equal for equal inputs, and computed where the inputs are constants.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import reduce
+from itertools import pairwise
 
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.types import DataType, default_value
@@ -75,7 +76,7 @@ def _logic(terms: Terms, name: str, inputs: Sequence[Term]) -> Term:
 def relation(terms: Terms, name: str, at: DataType, inputs: Sequence[Term]) -> Term:
     """Return a comparison of each input with the next one."""
     return terms.and_(*[
-        _compare(terms, name, at, a, b) for a, b in zip(inputs, inputs[1:], strict=False)])
+        _compare(terms, name, at, a, b) for a, b in pairwise(inputs)])
 
 
 def _compare(terms: Terms, name: str, at: DataType, a: Term, b: Term) -> Term:

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from ladder_ros.model.types import default_value, Value
+from ladder_ros.model.types import DataType, default_value, Value
 from ladder_ros.refactor.equivalence.product import Product
 from ladder_ros.refactor.equivalence.terms import evaluate, Term
 from ladder_ros.refactor.equivalence.to_z3 import Sat, Solver
@@ -42,8 +42,6 @@ class Induction:
         self.terms = product.terms
         self.left = left
         self.questions = 0
-        self.is_complete = True
-        """Whether every question was answered: else more may be equal than was found."""
         self.is_abstract = False
         """Whether exact questions may show more."""
         self._exact = exact
@@ -72,15 +70,18 @@ class Induction:
         """Say whether two places are always equal, as far as is known."""
         return self._class[a] == self._class[b]
 
-    def run(self) -> None:
-        """Take the classes apart until they stay.  Raises UnsupportedError."""
+    def run(self) -> bool:
+        """Take the classes apart until they stay; say whether there was time for it.
+
+        Nothing is known without.  Raises UnsupportedError.
+        """
         while self.left() > 0:
             self._scan()
             if not self._refine():
-                return
-        self.is_complete = False
-        self._class = list(range(len(self._class)))  # nothing is known
+                return True
+        self._class = list(range(len(self._class)))
         self._constants = {}
+        return False
 
     def _scan(self) -> None:
         """Compute a scan from any state in which the classes hold."""
@@ -128,8 +129,6 @@ class Induction:
             changed = True
             if answer is Sat.YES:
                 self._split(solver.values())
-            else:
-                self.is_complete = False
             if not self._is_apart(place, expected):
                 self._alone(place)
         return changed
@@ -175,26 +174,24 @@ def pairs_of(product: Product) -> list[Class]:
     found = []
     for new, old in sorted(product.relation.kept().items()):
         place = product.first + new
-        if place in product.inputs or old in product.inputs:
-            continue
         if repr(product.initial[old]) == repr(product.initial[place]):
             found.append(Class(places=(old, place)))
     return found
 
 
 def classes_by(
-    product: Product, signatures: Sequence[object], *, after_change: bool,
+    product: Product, signatures: Sequence[tuple[str, ...] | None], *, after_change: bool,
 ) -> list[Class]:
     """Return classes of places that had equal values in all scans tried (``signatures``).
 
     With ``after_change`` only such as also hold when the second program takes over.
     """
-    groups: dict[object, list[int]] = {}
+    groups: dict[tuple[DataType, tuple[str, ...]], list[int]] = {}
     for place, signature in enumerate(signatures):
-        if place not in product.inputs and signature is not None:
+        if signature is not None:
             groups.setdefault((product.types[place], signature), []).append(place)
-    found: list[Class] = []
-    for (_, signature), places in groups.items():  # type: ignore[misc]
+    found = [one for one in pairs_of(product) if signatures[one.places[0]] is None]
+    for (_, signature), places in groups.items():
         values = set(signature)
         constant = (product.initial[places[0]],) if values == {
             repr(product.initial[places[0]])} else ()
@@ -216,4 +213,8 @@ def _is_kept(
         return bool(constant) and repr(product.initial[place]) == repr(constant[0])
     if source.old is not None:
         return not source.conversion and source.old in places
-    return source.of is None and bool(constant) and repr(source.value) == repr(constant[0])
+    if source.of is not None:
+        sensed = product.first + source.of
+        return not source.negated and sensed in places and _is_kept(
+            product, sensed, places, constant)
+    return bool(constant) and repr(source.value) == repr(constant[0])

@@ -28,7 +28,7 @@ from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.types import DataType, default_value
 from ladder_ros.refactor.equivalence.block_paths import release_block, step_block
 from ladder_ros.refactor.equivalence.functions import call_function
-from ladder_ros.refactor.equivalence.terms import BOOL, Term, Terms
+from ladder_ros.refactor.equivalence.terms import Term, Terms
 
 MOST_ROUNDS = 256
 """Rounds of a loop that are followed."""

@@ -19,12 +19,12 @@ class Product:
     """The programs, and how their inputs and states are related."""
 
     def __init__(
-        self, subjects: Sequence[Subject], relation: Relation = Relation(sources={}),
+        self, subjects: Sequence[Subject], relation: Relation | None = None,
     ) -> None:
-        """``relation`` is that of the second program to the first."""
+        """``relation`` is that of the second program, if there is one, to the first."""
         self.terms = Terms()
         self.subjects = tuple(subjects)
-        self.relation = relation
+        self.relation = relation or Relation(sources={})
         self.runners = [Runner(self.terms, subject) for subject in subjects]
         self.first = len(subjects[0].types)
         """The number of values in the first program's state: where the second's begins."""

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Terms -> z3, and its answers -> values.
 
-BOOL is Bool; integers, bit strings and TIME are bit-vectors of their width, REAL and LREAL IEEE 754
-floats, all exact.  STRING is a number for each text.  What has no row here is an uninterpreted
-function: equal for equal arguments, else anything; so are, until they are asked for, products and
-quotients, which are hard.
+BOOL is Bool; integers, bit strings and TIME are bit-vectors of their width, REAL and LREAL
+IEEE 754 floats, all exact.  STRING is a number for each text.  What has no row here is an
+uninterpreted function: equal for equal arguments, else anything; so are, unless they are asked
+for, products and quotients, which are hard.
 """
 
 from __future__ import annotations
@@ -226,7 +226,8 @@ def _remainder(args: list[Any], signed: bool) -> Any:
 
 def _real_quotient(args: list[Any], mode: Any) -> Any:
     a, b = args
-    return z3.If(z3.fpIsZero(b), z3.FPVal(0.0, a.sort(), ctx=a.ctx), z3.fpDiv(mode, a, b))
+    made = z3.fpDiv(mode, a, b, ctx=a.ctx)
+    return z3.If(z3.fpIsZero(b, ctx=b.ctx), z3.FPVal(0.0, a.sort(), ctx=a.ctx), made)
 
 
 _SHIFTS = ('SHL', 'SHR', 'ROL', 'ROR')
@@ -257,14 +258,14 @@ _INTEGER: Mapping[str, Callable[[list[Any], bool], Any]] = {
     'NOT': lambda a, signed: ~a[0],
 }
 _REAL: Mapping[str, Callable[[list[Any], Any], Any]] = {
-    'ADD': lambda a, mode: z3.fpAdd(mode, *a),
-    'SUB': lambda a, mode: z3.fpSub(mode, *a),
-    'MUL': lambda a, mode: z3.fpMul(mode, *a),
+    'ADD': lambda a, mode: z3.fpAdd(mode, *a, ctx=mode.ctx),
+    'SUB': lambda a, mode: z3.fpSub(mode, *a, ctx=mode.ctx),
+    'MUL': lambda a, mode: z3.fpMul(mode, *a, ctx=mode.ctx),
     'DIV': _real_quotient,
-    'ABS': lambda a, mode: z3.fpAbs(a[0]),
-    'LT': lambda a, mode: z3.fpLT(*a),
-    'LE': lambda a, mode: z3.fpLEQ(*a),
-    'EQ': lambda a, mode: z3.fpEQ(*a),
+    'ABS': lambda a, mode: z3.fpAbs(a[0], ctx=mode.ctx),
+    'LT': lambda a, mode: z3.fpLT(*a, ctx=mode.ctx),
+    'LE': lambda a, mode: z3.fpLEQ(*a, ctx=mode.ctx),
+    'EQ': lambda a, mode: z3.fpEQ(*a, ctx=mode.ctx),
 }
 
 
@@ -285,7 +286,7 @@ def _read_real(value: Any, type_: DataType) -> Value:
         return 0.0
     if value.isNaN():
         return math.nan
-    bits = z3.simplify(z3.fpToIEEEBV(value)).as_long()
+    bits = z3.simplify(z3.fpToIEEEBV(value, ctx=value.ctx)).as_long()
     if type_ is DataType.REAL:
         return float(struct.unpack('<f', struct.pack('<I', bits))[0])
     return float(struct.unpack('<d', struct.pack('<Q', bits))[0])

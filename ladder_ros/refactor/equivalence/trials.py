@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from random import Random
 
@@ -17,15 +17,22 @@ from ladder_ros.refactor.equivalence.subject import Player
 
 RUNS = 8
 SCANS = 48
+Shows = Callable[[Sequence[Value]], bool]
+"""Says of the values of a product's state whether they show what is looked for."""
+
 _INTERVALS = (10 * NS_PER_MS, NS_PER_S, 100 * NS_PER_MS, 10 * NS_PER_S, NS_PER_MS)
 
 
 @dataclass(slots=True, kw_only=True)
 class Trials:
-    """What random scans showed: for each place all values it had, and the first difference."""
+    """What random scans showed.
+
+    ``signatures`` are for each place all values it had; ``trace`` is the first that shows what was
+    looked for.
+    """
 
     signatures: list[tuple[str, ...] | None]
-    difference: Trace | None = None
+    trace: Trace | None = None
 
 
 @dataclass(slots=True, kw_only=True)
@@ -36,8 +43,8 @@ class _Run:
     rows: list[dict[int, Value]] = field(default_factory=list)
     new_rows: list[dict[int, Value]] = field(default_factory=list)
 
-    def scan(self, inputs: Mapping[int, Value], now: int) -> bool:
-        """Run a scan of each program; return whether their outputs are the same after it."""
+    def scan(self, inputs: Mapping[int, Value], now: int) -> list[Value]:
+        """Run a scan of each program; return the state after it."""
         first = self.product.first
         self.rows.append({p: v for p, v in inputs.items() if p < first})
         self.new_rows.append({p - first: v for p, v in inputs.items() if p >= first})
@@ -48,8 +55,7 @@ class _Run:
         values = self.values()
         for seen, value in zip(self.seen, values, strict=True):
             seen.append(repr(value))
-        return not any(repr(values[a]) != repr(values[b])
-                       for a, b, conversion in self.product.outputs if not conversion)
+        return values
 
     def values(self) -> list[Value]:
         """Return the product's state; what only the runner of tasks knows is left at its start."""
@@ -60,8 +66,16 @@ class _Run:
         return found
 
 
-def try_out(product: Product, *, scans: int = SCANS, runs: int = RUNS, seed: int = 1) -> Trials:
-    """Run scans with random inputs from a start; stops at a difference of outputs."""
+def differs(product: Product) -> Shows:
+    """Return what says of values of the state whether some output is not the same."""
+    pairs = [(a, b) for a, b, conversion in product.outputs if not conversion]
+    return lambda values: any(repr(values[a]) != repr(values[b]) for a, b in pairs)
+
+
+def try_out(
+    product: Product, shows: Shows, *, scans: int = SCANS, runs: int = RUNS, seed: int = 1,
+) -> Trials:
+    """Run scans with random inputs from a start; stops where the state shows what is sought."""
     rng = Random(seed)
     seen: list[list[str]] = [[repr(value)] for value in product.initial]
     pools = {source: _pool(product, source) for source, _ in product.inputs.values()}
@@ -69,8 +83,8 @@ def try_out(product: Product, *, scans: int = SCANS, runs: int = RUNS, seed: int
         run = _Run(product=product, players=[s.play() for s in product.subjects], seen=seen)
         interval = _interval(product, number)
         for count, inputs in enumerate(_stimuli(product, pools, rng, scans)):
-            if not run.scan(inputs, count * interval):
-                return Trials(signatures=[], difference=Trace(
+            if shows(run.scan(inputs, count * interval)):
+                return Trials(signatures=[], trace=Trace(
                     interval=interval, rows=tuple(run.rows), new_rows=tuple(run.new_rows)))
     signatures: list[tuple[str, ...] | None] = [tuple(values) for values in seen]
     for number, subject in enumerate(product.subjects):

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Unrolling: scans one after the other from a start, to find the fewest that show something.
 
-(Bounded model checking: Biere, Cimatti, Clarke, Zhu, "Symbolic model checking without BDDs", 1999.)
+Bounded model checking: Biere, Cimatti, Clarke, Zhu, "Symbolic model checking without BDDs", 1999.
 """
 
 from __future__ import annotations
