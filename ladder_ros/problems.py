@@ -236,10 +236,17 @@ _REFACTORING = (
     _error('L0632', '{name} cannot be used as a name: {reason}', 'choose another name'),
 )
 
+_PROVING = (
+    _error('L0670', 'there is no solver: the Python package z3-solver is not installed',
+            'install it: pip install z3-solver, or on Ubuntu apt install python3-z3'),
+    _error('L0671', 'nothing to prove, or too much at once',
+           'give a second program, or else properties with --never and --always'),
+)
+
 PROBLEMS: Mapping[str, Problem] = {
     row.code: row
     for table in (
-        _FILES, _NAMES, _DRAWING, _COMPILING, _RUNNING, _ROS, _EDITING, _REFACTORING)
+        _FILES, _NAMES, _DRAWING, _COMPILING, _RUNNING, _ROS, _EDITING, _REFACTORING, _PROVING)
     for row in table
 }
 """Every problem by its code."""

@@ -60,10 +60,14 @@ class Stages:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Compilation:
-    """The result: what runs, and the warnings and hints about the program."""
+    """The result: what runs, and the warnings and hints about the program.
+
+    ``code`` is what the executable was made from; None if that was done in another process.
+    """
 
     executable: Executable
     diagnostics: tuple[Diagnostic, ...]
+    code: InstructionList | None = None
 
 
 def compile_program(
@@ -106,7 +110,7 @@ def compile_program(
         tasks=tasks, rungs=list_rungs(program),
         routines=list_routines(code, index))
     return Compilation(
-        executable=executable,
+        executable=executable, code=code,
         diagnostics=missing + stages.diagnostics + check_coils(code, components))
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import sys
 import threading
 from typing import Any
-from unittest.mock import patch
+from unittest import mock
 
 from runtime.handmade import executable, Variables
 from support.documents import ROOT
@@ -28,6 +28,7 @@ from ladder_ros.diagnostics import LadderError, render
 from ladder_ros.edit.aov_to_rung import draw_rung
 from ladder_ros.model.component import Contact, Placement
 from ladder_ros.model.program import Rung
+from ladder_ros.proving import prove_never
 from ladder_ros.runtime.clock import SimulatedClock
 from ladder_ros.runtime.retain_store import load_retained, Retained, save_retained
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
@@ -151,13 +152,17 @@ def no_llvm(_folder: Path) -> str:
     for cached in caches:
         cached.cache_clear()
     try:
-        with patch.dict(sys.modules, {'llvmlite': None, 'llvmlite.binding': None}):
+        with mock.patch.dict(sys.modules, {'llvmlite': None, 'llvmlite.binding': None}):
             loaded = compile_file(ROOT / 'programs' / 'start_stop.xml', 'native')
     finally:
         for cached in caches:
             cached.cache_clear()
     assert loaded.executable.backend == 'python'
     return render(loaded.diagnostics).replace(f'{ROOT / "programs"}/', '')
+def no_solver(folder: Path) -> str:
+    """Prove something where the solver is not installed."""
+    with mock.patch('ladder_ros.refactor.equivalence.to_z3.z3', None):
+        return _error_of(lambda: prove_never(folder / 'program.xml', 'motor'))
 
 
 # -- the node -------------------------------------------------------------------------------------
@@ -249,5 +254,6 @@ MAKERS: Mapping[str, Callable[[Path], str]] = {
     'L0609': dropped_variable,
     'L0610': busy_compiler,
     'L0620': impossible_order,
+    'L0670': no_solver,
 }
 """By the problem's code: what gives the text of the page, from the folder with its files."""
