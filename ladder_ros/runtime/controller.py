@@ -32,6 +32,7 @@ from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
 from ladder_ros.runtime.scheduling import wake_promptly
 from ladder_ros.runtime.shadow import Shadow
 from ladder_ros.runtime.statistics import Recorder, Share, Statistics
+from ladder_ros.runtime.supervisor import Supervisor
 from ladder_ros.runtime.tasks import make_tasks, TaskStatistics
 from ladder_ros.runtime.trial import (
     ChangeListener,
@@ -67,6 +68,9 @@ class Controller:
         self._recorder = Recorder()
         self._trace: TraceRecorder | None = None
         self._turns = Turns(self._clock.wake)
+        self._supervisor = Supervisor(
+            lambda: self._loaded('scanning').limit(),
+            lambda: self._loaded('scanning').shortest_limit, self._give_up)
 
     # What it is doing
 
@@ -184,6 +188,8 @@ class Controller:
             self._recorder = Recorder()
             self._stopping = False
             self._set_state(ControllerState.RUNNING)
+            self._turns.lost = None
+            self._supervisor.begin()
             self._turns.scanner = threading.Thread(
                 target=self._run, name='ladder_scan', daemon=True)
             self._turns.scanner.start()
@@ -200,7 +206,7 @@ class Controller:
         with self._turns.request('stopping'):
             self._stopping = True
             self._clock.wake()
-            self._turns.join()
+            self._turns.join_or_lose()
 
     def reset(self, *, cold: bool = True) -> None:
         """Clear a fault and go back to the initial state, retained values too if ``cold``.
@@ -426,6 +432,12 @@ class Controller:
         """
         if isinstance(self._clock, MonotonicClock):
             wake_promptly()
+        try:
+            self._scan_until_stopped()
+        finally:
+            self._supervisor.end()
+
+    def _scan_until_stopped(self) -> None:
         deadline = self._due = self._clock.now()
         running = True
         while running and not self._stopping:
@@ -474,12 +486,15 @@ class Controller:
         self._programs.scanning(began)
         fault = None
         try:
-            cycle.scan(now, missed, lateness)
+            with self._supervisor.watched():
+                cycle.scan(now, missed, lateness)
         except Exception as error:
             # Whatever it was, this thread must not die without a word.
             fault = fault_of(
                 error, error.entry if isinstance(error, ProgramFault) else '',
                 self._recorder.scans, now)
+        if self._turns.lost is not None:
+            return self._fault  # too late: others have been told
         execution = self._clock.now() - began
         self._recorder.scan(execution, lateness)
         if fault is not None and self._programs.go_back(cycle, f'fault: {fault.reason}'):
@@ -494,6 +509,13 @@ class Controller:
             values=cycle.state, power=cycle.power, execution_ns=execution, fault=fault,
             executed=cycle.executed))
         return fault
+
+    def _give_up(self, error: LadderError) -> None:
+        """Leave the scan thread to itself: its scan will not end; in the supervisor's thread."""
+        self._turns.lost = error
+        self._fault = fault_of(
+            ProgramFault('', error), '', self._recorder.scans, self._due)
+        self._set_state(ControllerState.FAULTED)
 
     def _set_state(self, state: ControllerState) -> None:
         self._state = state

@@ -5,14 +5,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, ExitStack
 import threading
 from typing import TypeVar
 
-from ladder_ros.diagnostics import InternalError
+from ladder_ros.diagnostics import InternalError, LadderError
 from ladder_ros.runtime.errands import Errands
 
 _T = TypeVar('_T')
+_LOOK = 0.1
+"""Seconds after which the one who waits looks whether there is any use in it."""
 
 
 class Turns:
@@ -30,6 +32,8 @@ class Turns:
         # Held during a scan and its listeners, or to keep one from starting:
         self._between = threading.RLock()
         self._errands = Errands()
+        self.lost: LadderError | None = None
+        """Why the scan thread was given up: its scan does not end."""
 
     @property
     def is_scanner(self) -> bool:
@@ -63,14 +67,17 @@ class Turns:
             yield
 
     def boundary(self, action: Callable[[], _T]) -> _T:
-        """Have something done between two scans, by the scan thread if there is one."""
+        """Have something done between two scans, by the scan thread if there is one.
+
+        As everything here, it raises LadderError if the scan that runs will not end.
+        """
         return self._errands.ask(
             lambda: self.alone(action), self.scanner, self._wake,
-            lambda: self.alone(self._errands.run))
+            lambda: self.alone(self._errands.run), self._check)
 
     def alone(self, action: Callable[[], _T]) -> _T:
         """Do something while no scan runs."""
-        with self._gate, self._between:
+        with self._no_scan():
             return action()
 
     @contextmanager
@@ -79,10 +86,28 @@ class Turns:
         if self.is_scanner:
             yield
         else:
-            with self._gate, self._between:
+            with self._no_scan():
                 yield
 
     def join(self) -> None:
         """Wait for the scan thread, which is about to end."""
-        if self.scanner is not None:
-            self.scanner.join()
+        self.join_or_lose()
+        self._check()
+
+    def join_or_lose(self) -> None:
+        """Wait for the scan thread until it ends, or is given up."""
+        while self.scanner is not None and self.scanner.is_alive() and self.lost is None:
+            self.scanner.join(_LOOK)
+
+    @contextmanager
+    def _no_scan(self) -> Iterator[None]:
+        with ExitStack() as stack:
+            for lock in (self._gate, self._between):
+                while not lock.acquire(timeout=_LOOK):
+                    self._check()
+                stack.callback(lock.release)
+            yield
+
+    def _check(self) -> None:
+        if self.lost is not None and self.scanner is not None and self.scanner.is_alive():
+            raise self.lost

@@ -20,6 +20,7 @@ from ladder_ros.compiler.symbols import Resolved
 from ladder_ros.compiler.wiring import End, Net, Part, Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import LadderError, render
+from ladder_ros.executable import outline_of
 from ladder_ros.model.component import Contact, Placement
 from ladder_ros.model.program import Rung
 from ladder_ros.runtime.clock import SimulatedClock
@@ -133,6 +134,14 @@ def watchdog(folder: Path) -> str:
     raise AssertionError('no watchdog has tripped')
 
 
+def endless(folder: Path) -> str:
+    """Tell of a task without a watchdog as after a little more than five seconds."""
+    cycle = ScanCycle(compile_file(folder / 'program.xml').executable)
+    cycle.scan(0)
+    limit = cycle.limit()
+    return str(limit.error(limit.longest + 250_000_000))
+
+
 def no_recording(folder: Path) -> str:
     """Replay a program file."""
     return _error_of(lambda: replay(folder / 'program.xml', [])).replace(f'{folder}/', '')
@@ -167,8 +176,10 @@ def dropped_variable(folder: Path) -> str:
     from ladder_ros.ros.io_map import resolve_io
     from ladder_ros.ros.parameters import read_settings
     compiled = compile_file(folder / 'program.xml').executable
-    slots = tuple(slot for slot in compiled.slots if slot.path != 'motor')
-    changed = replace(compiled, slots=slots, by_path={s.path.casefold(): s for s in slots})
+    slots = tuple(replace(slot, index=index) for index, slot in enumerate(
+        slot for slot in compiled.slots if slot.path != 'motor'))
+    changed = replace(compiled, slots=slots, outline=outline_of(slots),
+                      by_path={s.path.casefold(): s for s in slots})
     entries = read_settings(overrides(folder))[0].io
     return render(resolve_io(changed, entries, lambda topic: topic, strict=False).warnings)
 
@@ -211,6 +222,7 @@ MAKERS: Mapping[str, Callable[[Path], str]] = {
     'L0524': missing_folder,
     'L0525': watchdog,
     'L0526': no_recording,
+    'L0527': endless,
     'L0606': unknown_parameter,
     'L0609': dropped_variable,
     'L0610': busy_compiler,
