@@ -198,6 +198,8 @@ _RUNNING = (
     _error('L0525', 'the task {name} took {took}, its watchdog allows {limit}',
            'make what it runs shorter, or raise its watchdog or sensitivity'),
     _error('L0526', 'the recording cannot be used: {reason}', '{expected}'),
+    _error('L0527', 'a scan does not end: {name} has run for {took}',
+           'look for loops that go on too long, and give the task a watchdog'),
     _warning('L0530', 'there is no native code: {reason}',
              'Python runs the program; install ladder_ros[native], or choose the backend python'),
 )

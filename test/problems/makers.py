@@ -141,6 +141,14 @@ def watchdog(folder: Path) -> str:
     raise AssertionError('no watchdog has tripped')
 
 
+def endless(folder: Path) -> str:
+    """Tell of a task without a watchdog as after a little more than five seconds."""
+    cycle = ScanCycle(compile_file(folder / 'program.xml').executable)
+    cycle.scan(0)
+    limit = cycle.limit()
+    return str(limit.error(limit.longest + 250_000_000))
+
+
 def no_recording(folder: Path) -> str:
     """Replay a program file."""
     return _error_of(lambda: replay(folder / 'program.xml', [])).replace(f'{folder}/', '')
@@ -250,6 +258,7 @@ MAKERS: Mapping[str, Callable[[Path], str]] = {
     'L0525': watchdog,
     'L0526': no_recording,
     'L0530': no_llvm,
+    'L0527': endless,
     'L0606': unknown_parameter,
     'L0609': dropped_variable,
     'L0610': busy_compiler,
