@@ -144,6 +144,9 @@ _NAMES = (
     _error('L0225', '{name} may not stand {where}', '{reason}'),
     _error('L0226', 'no network has the label {name}',
            'draw the label at the network to go on with, or correct the name{hint}'),
+    _error('L0227', 'the pin {pin} of {owner} is a function block of the type {type}',
+           'no copies are made of function blocks; give {owner} the values that it reads, or make '
+           'the function block a global variable'),
 )
 
 _DRAWING = (
