@@ -4,7 +4,7 @@
 
 A rung has five to seven contacts in two parallel groups, a third of them normally closed.  Of ten
 rungs one sets or resets, one in twenty ends in an on-delay, one in fifty in a counter.  Contacts
-refer to coils nearby, or to inputs; there is an input for each ten rungs.
+refer to coils some rungs above, rarely below, or to inputs; there is an input for each ten rungs.
 """
 
 from __future__ import annotations
@@ -105,8 +105,9 @@ def _nearby(
 ) -> Iterator[str]:
     while True:
         if dice.random() < 0.55:
-            away = round(dice.gauss(0, 15))
-            yield f'k{min(max(number + away, 0), count - 1)}'
+            away = round(abs(dice.gauss(0, 15))) + 1
+            other = number + away if dice.random() < 0.05 else number - away
+            yield f'k{min(max(other, 0), count - 1)}'
         else:
             near = number * len(inputs) // count + dice.randrange(-4, 5)
             yield inputs[min(max(near, 0), len(inputs) - 1)]
@@ -114,8 +115,8 @@ def _nearby(
 
 def _own(dice: random.Random, number: int, inputs: Sequence[str]) -> Iterator[str]:
     while True:
-        if dice.random() < 0.55:
-            other = dice.randrange(STATION_RUNGS)
+        if number and dice.random() < 0.55:
+            other = dice.randrange(number)
             yield f'q{other}' if other < STATION_OUTPUTS else f'm{other}'
         else:
             yield dice.choice(inputs)

@@ -14,7 +14,7 @@ takes the address of the state and the time, and returns how to go on: GO_ON, LE
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 import hashlib
 from itertools import pairwise
@@ -66,19 +66,34 @@ class Memory:
         return range(first, first + element.count * element.stride, element.stride)
 
 
-@dataclass(slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Activity:
+    """What code depends on and changes: slots, with those of the routines that it may call.
+
+    ``timers`` are slots that say whether a timer runs.  Where none does, all that the code does
+    follows from what it reads.
+    """
+
+    reads: frozenset[int] = frozenset()
+    writes: frozenset[int] = frozenset()
+    timers: frozenset[int] = frozenset()
+
+    def __or__(self, other: Activity) -> Activity:
+        return Activity(reads=self.reads | other.reads, writes=self.writes | other.writes,
+                        timers=self.timers | other.timers)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Chunk:
-    """A function of some networks: its text without a name, and what it reads and writes."""
+    """A function of some networks: its text without a name, and the functions that it calls.
+
+    Only one that ``may_leave`` returns anything else than GO_ON.
+    """
 
     body: str
     needs: tuple[str, ...]
-    reads: frozenset[int]
-    writes: frozenset[int]
+    activity: Activity
     may_leave: bool
-    is_pure: bool
-    """Whether all that it does follows from what it reads and from its timers: it calls no
-    routine."""
-    timers: tuple[Call, ...]
 
 
 def routine_symbol(name: str) -> str:
@@ -91,16 +106,16 @@ class ChunkEmitter:
     """Emits one function; networks are added with :meth:`add`."""
 
     memory: Memory
-    routines: Set[str]
-    """The instances whose routines are native."""
+    routines: Mapping[str, Activity]
+    """What the routines do that are native, by instance."""
     builder: Builder = field(default_factory=Builder)
     known: dict[int, Val] = field(default_factory=dict)
     reads: set[int] = field(default_factory=set)
     writes: set[int] = field(default_factory=set)
-    timers: list[Call] = field(default_factory=list)
+    timers: set[int] = field(default_factory=set)
+    called: Activity = field(default_factory=Activity)
     allocas: list[str] = field(default_factory=list)
     may_leave: bool = False
-    calls_routines: bool = False
     labels: int = 0
     stack: list[Val] = field(default_factory=list)
     saved: list[Val] = field(default_factory=list)
@@ -121,9 +136,15 @@ class ChunkEmitter:
         """Return the function with all that was added."""
         lines = [*self.allocas, *self.builder.lines, f'ret i8 {GO_ON}']
         return Chunk(
-            body='\n'.join(lines), needs=tuple(self.builder.needs), reads=frozenset(self.reads),
-            writes=frozenset(self.writes), may_leave=self.may_leave,
-            is_pure=not self.calls_routines, timers=tuple(self.timers))
+            body='\n'.join(lines), needs=tuple(self.builder.needs), activity=self.activity,
+            may_leave=self.may_leave)
+
+    @property
+    def activity(self) -> Activity:
+        """What the code so far depends on and changes."""
+        own = Activity(reads=frozenset(self.reads), writes=frozenset(self.writes),
+                       timers=frozenset(self.timers))
+        return own | self.called
 
     # memory
 
@@ -410,7 +431,8 @@ class ChunkEmitter:
             builder.needs[f'declare void @{symbol}_release(ptr)'] = None
             builder.lines.append(f'call void @{symbol}_release(ptr %s)')
         self._start(after)
-        self.may_leave = self.calls_routines = True
+        self.may_leave = True
+        self.called |= self.routines[call.instance]
 
     def _fields(self, call: Call, kind: BlockKind) -> list[int]:
         return [self.memory.slots[f'{call.instance}.{pin.name}'.casefold()] for pin in kind.state]
@@ -432,7 +454,7 @@ class ChunkEmitter:
         for index, old, new in zip(fields, before, after, strict=True):
             self._store(index, builder.select(enabled, self._of_step(new, old.ir), old))
         if kind.is_timer:
-            self.timers.append(call)
+            self.timers.add(self.memory.slots[f'{call.instance}.%running'.casefold()])
         for pin, target in call.outputs:
             value = self._load(self.memory.slots[f'{call.instance}.{pin}'.casefold()])
             self._assign(target, value, enabled)
@@ -490,7 +512,9 @@ class ChunkEmitter:
         self.stack.append(fine if kind.power_output == 'ENO' else builder.and_(power, out))
 
 
-def emit_release(routine: Routine, memory: Memory, routines: Set[str]) -> str:
+def emit_release(
+    routine: Routine, memory: Memory, routines: Mapping[str, Activity],
+) -> tuple[str, Activity]:
     """Return the function that releases a routine's timers, and those of routines inside it."""
     emitter = ChunkEmitter(memory=memory, routines=routines)
     lines = emitter.builder.lines
@@ -514,7 +538,7 @@ def emit_release(routine: Routine, memory: Memory, routines: Set[str]) -> str:
     emitter._store(memory.slot(active_flag(routine.name)), emitter.builder.false)
     symbol = routine_symbol(routine.name)
     body = '\n'.join(lines)
-    return f'define void @{symbol}_release(ptr %s) {{\n{body}\nret void\n}}'
+    return f'define void @{symbol}_release(ptr %s) {{\n{body}\nret void\n}}', emitter.activity
 
 
 def written_order(routines: Sequence[Routine], slots: Mapping[str, int]) -> list[int]:

@@ -15,8 +15,10 @@ from dataclasses import dataclass, field
 import hashlib
 from itertools import groupby
 
+from ladder_ros.compiler.event_kernel import EventTables, KERNEL, SYMBOL
 from ladder_ros.compiler.il import Instruction, InstructionList, LoopError, Network, Op, Routine
 from ladder_ros.compiler.il_to_llvm import (
+    Activity,
     arrays_of,
     Chunk,
     ChunkEmitter,
@@ -37,16 +39,26 @@ from ladder_ros.executable import Scan, Slot, State
 _NETWORKS = 16
 _INSTRUCTIONS = 200
 """Most networks, and about the most instructions, in a chunk."""
+_LEAST_CHUNKS = 32
+"""Chunks that a part must have for it to pay to follow what has changed."""
 _CHUNKS = 32
 """Chunks in a module: the part that is compiled, and kept, as one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Part:
-    """A part of a body: a native function's symbol, or networks that Python runs."""
+    """A part of a body: a native function's symbol, or networks that Python runs.
+
+    ``chunks`` are the functions that a native one calls, with what they do.
+    """
 
     symbol: str = ''
+    chunks: tuple[tuple[str, Activity], ...] = ()
     networks: tuple[Network, ...] = ()
+
+
+def _is_large(part: Part) -> bool:
+    return len(part.chunks) >= _LEAST_CHUNKS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,8 +107,10 @@ class _Function:
 class _Emitter:
     code: InstructionList
     memory: Memory
-    routines: set[str] = field(default_factory=set)
-    """The instances whose routines are native as a whole."""
+    routines: dict[str, Activity] = field(default_factory=dict)
+    """What the routines do that are native as a whole, by instance."""
+    sizes: dict[str, int] = field(default_factory=dict)
+    """How many instructions a routine executes, with those that it calls."""
     functions: dict[str, _Function] = field(default_factory=dict)
     drivers: list[str] = field(default_factory=list)
     why_not: dict[str, None] = field(default_factory=dict)
@@ -114,18 +128,24 @@ class _Emitter:
                          for place, part in enumerate(parts[routine.name]) if part.networks]
         if rest:
             rest += inner
+        modules = list(self.modules())
+        if any(_is_large(part) for several in parts.values() for part in several):
+            modules.append(KERNEL)
         return NativeProgram(
-            layout=self.memory.layout, modules=tuple(self.modules()), parts=parts,
+            layout=self.memory.layout, modules=tuple(modules), parts=parts,
             rest=InstructionList(routines=tuple(rest)), why_not=tuple(self.why_not))
 
     def inner_routine(self, routine: Routine) -> None:
         try:
             functions = list(self.chunks(routine.networks))
-            release = emit_release(routine, self.memory, self.routines)
+            release, activity = emit_release(routine, self.memory, self.routines)
         except NotNativeError as error:
             self.why_not[str(error)] = None
             return
-        self.routines.add(routine.name)
+        for function in functions:
+            activity |= function.chunk.activity
+        self.routines[routine.name] = activity
+        self.sizes[routine.name] = sum(map(self.size, routine.networks))
         self.keep(functions)
         self.drivers += [self.driver(routine_symbol(routine.name), functions), release]
 
@@ -147,7 +167,8 @@ class _Emitter:
             symbol = f'body_{len(self.drivers)}'
             self.keep(functions)
             self.drivers.append(self.driver(symbol, functions))
-            yield Part(symbol=symbol)
+            yield Part(symbol=symbol, chunks=tuple(
+                (function.symbol, function.chunk.activity) for function in functions))
 
     def fault(self, network: Network) -> str:
         """Return why a network is not native, or ''."""
@@ -163,14 +184,20 @@ class _Emitter:
         emitter = ChunkEmitter(memory=self.memory, routines=self.routines)
         count = size = 0
         for network in networks:
-            if count and (count >= _NETWORKS or size + len(network.code) > _INSTRUCTIONS):
+            if count and (count >= _NETWORKS or size + self.size(network) > _INSTRUCTIONS):
                 yield self.function(emitter)
                 emitter = ChunkEmitter(memory=self.memory, routines=self.routines)
                 count = size = 0
             emitter.add(network)
-            count, size = count + 1, size + len(network.code)
+            count, size = count + 1, size + self.size(network)
         if count:
             yield self.function(emitter)
+
+    def size(self, network: Network) -> int:
+        """Return how many instructions a network executes, about."""
+        return len(network.code) + sum(
+            self.sizes[i.call.instance] for i in network.code
+            if i.call is not None and i.op in (Op.EXE, Op.RUN))
 
     def function(self, emitter: ChunkEmitter) -> _Function:
         chunk = emitter.chunk()
@@ -210,7 +237,7 @@ def _may_fail(instruction: Instruction) -> bool:
 
 # -- running -------------------------------------------------------------------------------------
 
-_Step = Callable[[int, int], int]
+_Step = Callable[..., int]
 """A native function: the state's address and the time to how to go on."""
 
 _PartScan = Callable[[State, int, 'list[bool] | None'], 'bool | None']
@@ -218,19 +245,32 @@ _PartScan = Callable[[State, int, 'list[bool] | None'], 'bool | None']
 
 
 def load_native(
-    program: NativeProgram, objects: Sequence[bytes], python: Mapping[str, Scan],
+    program: NativeProgram, objects: Sequence[bytes], python: Mapping[str, Scan], *,
+    by_events: bool = True,
 ) -> dict[str, Scan]:
-    """Return a scan function for each body, of object code; ``python`` are those of the rest."""
+    """Return a scan function for each body, of object code; ``python`` are those of the rest.
+
+    ``by_events`` leaves out what cannot change (see `event_kernel`); else all is executed always.
+    """
     linked = Linked(objects)
-    kind = ctypes.CFUNCTYPE(ctypes.c_int8, ctypes.c_void_p, ctypes.c_int64)
+
+    def part_scan(part: Part) -> _PartScan:
+        if by_events and _is_large(part):
+            return _by_events(part, program.layout, linked)
+        return _native_part(_PLAIN(linked.address(part.symbol)), linked)
 
     def scan_of(body: str, parts: Sequence[Part]) -> Scan:
         steps = [
-            _native_part(kind(linked.address(part.symbol)), linked) if part.symbol
-            else _python_part(python[f'{body}/{place}']) for place, part in enumerate(parts)]
+            part_scan(part) if part.symbol else _python_part(python[f'{body}/{place}'])
+            for place, part in enumerate(parts)]
         return steps[0] if len(steps) == 1 else _several(steps)
 
     return {body: scan_of(body, parts) for body, parts in program.parts.items()}
+
+
+_PLAIN = ctypes.CFUNCTYPE(ctypes.c_int8, ctypes.c_void_p, ctypes.c_int64)
+_KERNEL = ctypes.CFUNCTYPE(
+    ctypes.c_int8, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)
 
 
 def _native_part(step: _Step, linked: Linked) -> _PartScan:
@@ -238,11 +278,35 @@ def _native_part(step: _Step, linked: Linked) -> _PartScan:
         state: State, now: int, power: list[bool] | None, keeps: Linked = linked,
     ) -> bool:
         answer = step(state.address, now)  # type: ignore[attr-defined]
-        if answer == FAILED:
-            raise LoopError('a loop does not end')
+        if answer:
+            _check(answer)
         return answer == LEFT
 
     return scan
+
+
+def _by_events(part: Part, layout: NativeLayout, linked: Linked) -> _PartScan:
+    tables = EventTables([activity for _, activity in part.chunks], layout)
+    bound = tables.bind([linked.address(symbol) for symbol, _ in part.chunks],
+                        linked.address(part.symbol))
+    step = _KERNEL(linked.address(SYMBOL))
+    size, place = tables.area, ctypes.addressof(bound)
+
+    def scan(
+        state: State, now: int, power: list[bool] | None, keeps: object = (linked, bound),
+    ) -> bool:
+        area = state.area(place, size)  # type: ignore[attr-defined]
+        answer = step(state.address, now, area, place)  # type: ignore[attr-defined]
+        if answer:
+            _check(answer)
+        return bool(answer == LEFT)
+
+    return scan
+
+
+def _check(answer: int) -> None:
+    if answer == FAILED:
+        raise LoopError('a loop does not end')
 
 
 def _python_part(part: Scan) -> _PartScan:

@@ -105,11 +105,12 @@ class NativeState(MutableSequence[Value]):
     Of fixed length: slices can be written with as many values.
     """
 
-    __slots__ = ('_cells', '_memory', '_texts', '_views', 'address', 'form')
+    __slots__ = ('_areas', '_cells', '_memory', '_texts', '_views', 'address', 'form')
 
     def __init__(self, form: StateForm, values: Sequence[Value]) -> None:
         """Take the values in."""
         self.form = form
+        self._areas: dict[int, tuple[int, object]] = {}
         self._memory = ctypes.create_string_buffer(form.layout.size + 64)
         start = ctypes.addressof(self._memory)
         skip = -start % 64
@@ -128,6 +129,18 @@ class NativeState(MutableSequence[Value]):
         """The bytes of all slots but STRINGs."""
         whole: memoryview = self._views['B']
         return whole
+
+    def area(self, owner: int, size: int) -> int:
+        """Return the address of memory in which native code notes things about this state.
+
+        It is zero at first, aligned to 64 bytes, and the same for each call of one ``owner``.
+        """
+        found = self._areas.get(owner)
+        if found is None:
+            memory = ctypes.create_string_buffer(size + 64)
+            start = ctypes.addressof(memory)
+            found = self._areas[owner] = (start + -start % 64, memory)
+        return found[0]
 
     def __len__(self) -> int:
         return len(self._cells)
