@@ -144,6 +144,9 @@ _NAMES = (
     _error('L0225', '{name} may not stand {where}', '{reason}'),
     _error('L0226', 'no network has the label {name}',
            'draw the label at the network to go on with, or correct the name{hint}'),
+    _error('L0227', 'the pin {pin} of {owner} is a function block of the type {type}',
+           'no copies are made of function blocks; give {owner} the values that it reads, or make '
+           'the function block a global variable'),
 )
 
 _DRAWING = (
@@ -198,6 +201,10 @@ _RUNNING = (
     _error('L0525', 'the task {name} took {took}, its watchdog allows {limit}',
            'make what it runs shorter, or raise its watchdog or sensitivity'),
     _error('L0526', 'the recording cannot be used: {reason}', '{expected}'),
+    _error('L0527', 'a scan does not end: {name} has run for {took}',
+           'look for loops that go on too long, and give the task a watchdog'),
+    _warning('L0530', 'there is no native code: {reason}',
+             'Python runs the program; install ladder_ros[native], or choose the backend python'),
 )
 
 _ROS = (
@@ -234,10 +241,17 @@ _REFACTORING = (
     _error('L0632', '{name} cannot be used as a name: {reason}', 'choose another name'),
 )
 
+_PROVING = (
+    _error('L0670', 'there is no solver: the Python package z3-solver is not installed',
+            'install it: pip install z3-solver, or on Ubuntu apt install python3-z3'),
+    _error('L0671', 'nothing to prove, or too much at once',
+           'give a second program, or else properties with --never and --always'),
+)
+
 PROBLEMS: Mapping[str, Problem] = {
     row.code: row
     for table in (
-        _FILES, _NAMES, _DRAWING, _COMPILING, _RUNNING, _ROS, _EDITING, _REFACTORING)
+        _FILES, _NAMES, _DRAWING, _COMPILING, _RUNNING, _ROS, _EDITING, _REFACTORING, _PROVING)
     for row in table
 }
 """Every problem by its code."""

@@ -29,7 +29,7 @@ FUNCTION_LINES = 60
 BASE = {'problems', 'diagnostics'}
 DATA = BASE | {'model', 'executable'}
 DOORS = BASE | {
-    'session', 'refactoring', 'model.types', 'executable', 'runtime.clock', 'resources'}
+    'session', 'refactoring', 'proving', 'model.types', 'executable', 'runtime.clock', 'resources'}
 MAY_IMPORT: dict[str, set[str]] = {
     '': set(),
     'problems': set(),
@@ -51,6 +51,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         'resources',
     },
     'refactoring': DATA | {'source', 'compiler', 'refactor'},
+    'proving': DATA | {'source', 'compiler', 'refactor', 'runtime'},
     # What a recording of topics is for a program is the node's to say; that part needs no ROS.
     'cli': DOORS | {'ros.bag'},
     'ros': DOORS,
@@ -66,8 +67,7 @@ LIBRARIES: dict[str, set[str]] = {
     'lxml': {'source'},
     'yaml': {'ros'},
     'rosbags': {'ros.bag'},
-    'llvmlite': {'compiler.il_to_llvm'},
-    'numba': {'compiler.il_to_llvm'},
+    'llvmlite': {'compiler.llvm_machine'},
     'z3': {'refactor.equivalence'},
     'rclpy': ROS_ROOMS,
     'rosidl_runtime_py': ROS_ROOMS,

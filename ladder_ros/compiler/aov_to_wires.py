@@ -144,13 +144,16 @@ class _Network:
     # -- order ------------------------------------------------------------------------------
 
     def late_contacts(self) -> set[int]:
-        """Return the contacts whose variable changes before a statement needs their power."""
+        """Return the contacts whose variable changes before a statement needs their power.
+
+        Some editors read a contact anew for each statement that it feeds: the last one counts.
+        """
         symbols = self.aov.symbols
         need: dict[int, int] = {}
         for place, symbol in enumerate(symbols):
             if not isinstance(symbol.component, Contact):
                 for source in self.needed(symbol.id):
-                    need.setdefault(source, place)
+                    need[source] = place
         late = set()
         for place, symbol in enumerate(symbols):
             if not isinstance(symbol.component, Contact) or symbol.id not in need:

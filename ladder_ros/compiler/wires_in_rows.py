@@ -3,6 +3,7 @@
 """A drawing with wires -> the same, evaluated by position: each statement below the one before.
 
 Editors that go by position then evaluate what our reader took in another order as it did.
+Drawings with jumps keep their places: there networks count, and numbers tell the order.
 """
 
 from __future__ import annotations
@@ -11,19 +12,16 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ladder_ros.compiler.wires_to_order import statements
-from ladder_ros.model.component import Component, Jump
+from ladder_ros.model.component import Component, Jump, Label
 from ladder_ros.model.program import Order, Rung
 
 _COLUMN, _ROW, _LEFT = 170, 50, 70
 
 
 def in_rows(rung: Rung) -> Rung:
-    """Return the drawing in the order of positions; one that has it already keeps its places.
-
-    So does one with jumps that are taken at once, which only numbers can tell.
-    """
-    if rung.wires is None or rung.order is Order.POSITION_ALL or any(
-            isinstance(component, Jump) and component.at_once for component in rung.components):
+    """Return the drawing in the order of positions; one that has it already keeps its places."""
+    jumps = any(isinstance(component, (Jump, Label)) for component in rung.components)
+    if rung.wires is None or rung.order is Order.POSITION_ALL or jumps:
         return rung
     by_id = {component.id: component for component in rung.components}
     feeds: dict[str, list[str]] = {}

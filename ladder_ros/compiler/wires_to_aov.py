@@ -326,6 +326,7 @@ class _Builder:
         self.symbols.append(SymbolVertex(
             id=number, path=component.id, component=component, resolved=resolved,
             instance=instance, memory=memory, prelude=prelude, is_block=is_block,
+            keeps_inputs=isinstance(component, Block) and bool(instance),
             touches=touches, body=body))
         self.vertex.setdefault(component.id, number)
         self.feeds += [(giver, number, '') for giver in givers]

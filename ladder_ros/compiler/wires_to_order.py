@@ -143,12 +143,11 @@ def _find_networks(rung: Rung) -> dict[str, str]:
 
 
 def statements(rung: Rung) -> Sequence[Component]:
-    """Return what is evaluated for its own sake, and labels, in the drawing's order."""
+    """Return what is evaluated for its own sake, in order, and the labels in between."""
     return _statements(rung, _find_networks(rung))
 
 
 def _statements(rung: Rung, network_of: Mapping[str, str]) -> Sequence[Component]:
-    """Return what is evaluated for its own sake, in order, and the labels in between."""
     listed: list[Component] = [
         c for c in rung.components
         if isinstance(c, (Coil, OutVariable, Jump, Label, Block, Instance))]

@@ -24,6 +24,8 @@ from ladder_ros.model.component import (
     Contact,
     Instance,
     InVariable,
+    Jump,
+    Label,
     OutVariable,
     Row,
 )
@@ -73,7 +75,7 @@ def places(component: Component, known: Directions) -> tuple[Place, ...]:
             return (Place(pin='', text=operand, access=Access.READ),)
         case Coil(operand=operand) | OutVariable(operand=operand):
             return (Place(pin='', text=operand, access=Access.WRITE),)
-        case Row() | Column():
+        case Row() | Column() | Jump() | Label():
             return ()
         case Block():
             return (*_state(component.instance),
@@ -125,7 +127,7 @@ def renamed(component: Component, rename: Callable[[str], str]) -> Component:
     match component:
         case Contact() | Coil() | InVariable() | OutVariable():
             return replace(component, operand=rename(component.operand))
-        case Row() | Column():
+        case Row() | Column() | Jump() | Label():
             return component
         case Block():
             return replace(

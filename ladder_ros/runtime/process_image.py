@@ -82,6 +82,7 @@ class ProcessImage:
     def __init__(self, executable: Executable) -> None:
         """Start with the initial state, nothing pending and nothing forced."""
         self._slots = executable.slots
+        self._make_state = executable.make_state
         self.state = executable.initial_state()
         self._pending = PendingInputs()
         self._forces: dict[int, Value] = {}
@@ -150,12 +151,12 @@ class ProcessImage:
     def follow(self, old: ProcessImage, plan: StatePlan, *, copy: bool) -> None:
         """Take everything over from another program's image, as planned; that is left as it was.
 
-        But without ``copy`` the two share their state if their layouts are equal.
+        But without ``copy`` the two share their state if their layouts and its forms are equal.
         """
-        if plan.is_equal and not copy:
+        if plan.is_equal and not copy and self._make_state is old._make_state:
             self.state = old.state
         else:
-            self.state = plan.carry(old.state, self.state)
+            self.state = self._make_state(plan.carry(old.state, self.state))
         self._take_pending_and_forces(old, plan.moves)
 
     def take_inputs(self, other: ProcessImage, plan: StatePlan) -> None:

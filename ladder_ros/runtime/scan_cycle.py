@@ -14,7 +14,15 @@ from ladder_ros.runtime.planner import Transition
 from ladder_ros.runtime.process_image import ProcessImage
 from ladder_ros.runtime.state_plan import StatePlan
 from ladder_ros.runtime.statistics import Share
-from ladder_ros.runtime.tasks import make_tasks, RunningTask, TaskStatistics, Timer
+from ladder_ros.runtime.supervisor import Limit
+from ladder_ros.runtime.tasks import (
+    endless,
+    LONGEST_LIMIT,
+    make_tasks,
+    RunningTask,
+    TaskStatistics,
+    Timer,
+)
 
 _CACHED_VARIANTS = 8
 
@@ -68,6 +76,10 @@ class ScanCycle:
         self._timer = timer
         self.tasks, self.interval = make_tasks(executable)
         """The tasks by priority; common divisor of their intervals in ns, 0 if they have none."""
+        self._current: RunningTask | None = None
+        self.shortest_limit = min((task.limit().longest for task in self.tasks),
+                                  default=LONGEST_LIMIT)
+        """The shortest of the times, in ns, after which a task is broken off."""
         self._tick = -1
         self.offset = 0
         """How much the program's time is behind: a test that was undone has not passed for it."""
@@ -104,6 +116,11 @@ class ScanCycle:
         return Share(
             instructions=self._instructions, executed=self.executed,
             mean=self._executed_sum / self._scans if self._scans else 0.0)
+
+    def limit(self) -> Limit:
+        """Return how long what runs now may take; for any thread."""
+        current = self._current
+        return current.limit() if current is not None else endless('what runs once')
 
     def task_statistics(self) -> tuple[TaskStatistics, ...]:
         """Return the statistics of each task, in the order in which they run."""
@@ -179,6 +196,7 @@ class ScanCycle:
         Raises ProgramFault if the program fails; the state is then as the failure left it.
         """
         self.now = now = now - self.offset
+        self._current = None
         self.taken = self.image.freeze()
         timer = self._timer
         began = timer() if timer is not None else 0
@@ -196,6 +214,7 @@ class ScanCycle:
         for task in self.tasks:
             if not task.is_due(self.image.state, self._tick, last_tick):
                 continue
+            self._current = task
             start = timer() if timer is not None else 0
             for name in task.bodies:
                 self._run(name, now)

@@ -260,8 +260,7 @@ class _Writer:
                '<connectionPointOut formalParameter=""><relPosition x="3" y="20"/>'
                '</connectionPointOut></leftPowerRail>')
         shapes = _Shapes(ids=ids, wires=wires, places=places, pins=pins, project=self.project)
-        # The one rule of order that positions cannot tell: a jump that is taken at once.
-        is_numbered, order = rung.order is Order.DOCUMENT, 0
+        is_numbered, order = _is_numbered(rung), 0
         for component in rung.components:
             number = 0
             if is_numbered and isinstance(
@@ -275,6 +274,13 @@ class _Writer:
                '<connectionPointIn><relPosition x="0" y="20"/>'
                + ''.join(f'<connection refLocalId="{end}"/>' for end in ends)
                + '</connectionPointIn></rightPowerRail>')
+
+
+def _is_numbered(rung: Rung) -> bool:
+    """Say whether numbers must tell the order: where neither positions nor the document do."""
+    spots = {(c.placement.x, c.placement.y) for c in rung.components}
+    return rung.order is Order.DOCUMENT and (
+        len(spots) > 1 or any(isinstance(c, Jump) and c.at_once for c in rung.components))
 
 
 def _local_ids(components: Sequence[Component]) -> dict[str, str]:
@@ -402,7 +408,6 @@ class _Shapes:
         yield f'            <block {head} typeName={quoteattr(type_)}{name}>{at}'
         ins, outs = self.all_pins(block)
         modifiers = {m.pin.casefold(): m for m in block.modifiers}
-        both = [pin for pin in outs if pin in ins and isinstance(block, Instance)]
 
         def marks(pin: str) -> str:
             modifier = modifiers.get(pin.casefold())
@@ -411,25 +416,18 @@ class _Shapes:
             edge = '' if modifier.edge is PinEdge.NONE else f' edge="{modifier.edge.value}"'
             return _negated(modifier.negated) + edge
 
+        # An in-out pin stands on both sides: editors leave out what is in inOutVariables.
         yield '              <inputVariables>'
         for index, pin in enumerate(ins):
-            if pin not in both:
-                yield (f'                <variable formalParameter={quoteattr(pin)}{marks(pin)}>'
-                       f'{self.taken(block, pin, pin_y(index))}</variable>')
-        yield '              </inputVariables>'
-        yield '              <inOutVariables>'
-        for pin in both:
             yield (f'                <variable formalParameter={quoteattr(pin)}{marks(pin)}>'
-                   f'{self.taken(block, pin, pin_y(ins.index(pin)))}<connectionPointOut>'
-                   f'<relPosition x="{block.placement.width}" y="{pin_y(outs.index(pin))}"/>'
-                   '</connectionPointOut></variable>')
-        yield '              </inOutVariables>'
+                   f'{self.taken(block, pin, pin_y(index))}</variable>')
+        yield '              </inputVariables>'
+        yield '              <inOutVariables/>'
         yield '              <outputVariables>'
         for index, pin in enumerate(outs):
-            if pin not in both:
-                yield (f'                <variable formalParameter={quoteattr(pin)}{marks(pin)}>'
-                       f'<connectionPointOut><relPosition x="{block.placement.width}" '
-                       f'y="{pin_y(index)}"/></connectionPointOut></variable>')
+            yield (f'                <variable formalParameter={quoteattr(pin)}{marks(pin)}>'
+                   f'<connectionPointOut><relPosition x="{block.placement.width}" '
+                   f'y="{pin_y(index)}"/></connectionPointOut></variable>')
         yield '              </outputVariables>'
         yield '            </block>'
 

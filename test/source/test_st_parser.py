@@ -96,6 +96,7 @@ def test_expression_when_call_then_arguments_are_kept(text: str, understood: str
      'CASE n OF 1: t(); x.y: z := 1; END_CASE'),
     ('FOR i := 1 TO n BY -1 DO EXIT; END_FOR; RETURN;',
      'FOR i := 1 TO n BY (-1) DO EXIT; END_FOR RETURN;'),
+    ('WHILE a DO CONTINUE; END_WHILE', 'WHILE a DO CONTINUE; END_WHILE'),
     ('WHILE a DO ; END_WHILE REPEAT b := 1; UNTIL c; END_REPEAT;',
      'WHILE a DO  END_WHILE REPEAT b := 1; UNTIL c END_REPEAT'),
     ('if A then B := True; end_if', 'IF A THEN B := True; END_IF'),
@@ -147,7 +148,6 @@ MISTAKES = {
     'duration': 'a := T#5;',
     'number': 'a := 5abc;',
     'label': 'CASE n OF a := 1; END_CASE',
-    'continue': 'WHILE a DO CONTINUE; END_WHILE',
     'stray_end': 'a := 1; END_IF;',
     'empty_argument': 'f(a, );',
 }
