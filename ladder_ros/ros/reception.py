@@ -8,14 +8,14 @@ Needs no ROS: recordings of topics go the same way as messages.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 import threading
 from typing import Any, Protocol
 
 from ladder_ros.executable import Executable
 from ladder_ros.model.types import Value
-from ladder_ros.ros.conversions import Misfit
-from ladder_ros.ros.fields import reader
+from ladder_ros.ros.conversions import Decode, Misfit
+from ladder_ros.ros.fields import getter, picker, reader, Steps
 from ladder_ros.ros.io_points import Endpoint, InputPoint
 from ladder_ros.session import Write
 
@@ -58,21 +58,6 @@ class Input:
     point: InputPoint
     state: Reception
     store: Store
-    read: Callable[[Any], Any] = field(init=False)
-
-    def __post_init__(self) -> None:
-        """Prepare the way to the field."""
-        self.read = reader(self.point.field)
-
-    def take(self, message: Any) -> Value | None:
-        """Return what a message says; None, which is counted, if the variable cannot hold it."""
-        state = self.state
-        value = self._value(message, state.value)
-        if isinstance(value, Misfit):
-            state.rejected += 1
-            state.misfit = value
-            return None
-        return value
 
     def write(self, value: Value) -> None:
         """Give the variable a value."""
@@ -80,16 +65,14 @@ class Input:
 
     def recall(self, message: Any) -> None:
         """Note what came last on the topic, for a variable that is new on it."""
-        value = self._value(message, None)
-        if self.state.value is None and not isinstance(value, Misfit):
-            self.state.value = value
-
-    def _value(self, message: Any, last: Value | None) -> Value | Misfit:
+        if self.state.value is not None:
+            return
         try:
-            data = self.read(message)
+            value = self.point.conversion.decode(reader(self.point.field)(message), None)
         except IndexError:
-            return Misfit.ABSENT
-        return self.point.conversion.decode(data, last)
+            return
+        if not isinstance(value, Misfit):
+            self.state.value = value
 
     def enter(self) -> None:
         """Give the program, which is put in place, the value that the world has now."""
@@ -140,6 +123,24 @@ class Input:
             self.store(((self.point.stale.index, self.state.stale, False),))
 
 
+_Prepared = tuple[Callable[[Any], Any], Decode, Reception, int, bool]
+_Owner = tuple[Callable[[Any], Any], tuple[_Prepared, ...]]
+"""The way to what holds fields, and the inputs on these."""
+
+
+class _Nowhere:
+    """Stands for the element of an array that a message lacks: nothing is in it."""
+
+    def __getattr__(self, name: str) -> Any:
+        raise IndexError(name)
+
+    def __getitem__(self, index: int) -> Any:
+        raise IndexError(index)
+
+
+_NOWHERE = _Nowhere()
+
+
 class Source:
     """A subscription and the variables that it feeds."""
 
@@ -149,23 +150,50 @@ class Source:
         self.subscription: Any = None
         self.last: Any = NOTHING
         self.lock = threading.Lock()
-        self._fed: tuple[tuple[Store, tuple[Input, ...]], ...] = ()
+        self._fed: tuple[tuple[Store, tuple[_Owner, ...]], ...] = ()
 
     def feed(self, inputs: Iterable[Input]) -> None:
         """Hand messages to these variables from now on."""
-        stores: dict[Store, list[Input]] = {}
+        stores: dict[Store, dict[Steps, list[Input]]] = {}
         for item in inputs:
-            stores.setdefault(item.store, []).append(item)
-        self._fed = tuple((store, tuple(items)) for store, items in stores.items())
+            owner = item.point.field.steps[:-1]
+            stores.setdefault(item.store, {}).setdefault(owner, []).append(item)
+        self._fed = tuple(
+            (store, tuple(
+                (getter(steps), tuple(map(_prepared, items))) for steps, items in owners.items()))
+            for store, owners in stores.items())
 
     def receive(self, message: Any) -> None:
-        """Hand a message to every variable; one scan sees all that it says."""
+        """Hand a message to every variable; one scan sees all that it says.
+
+        A value that a variable cannot hold is counted only.
+        """
         self.last = message
-        for store, items in self._fed:
-            taken = [(item, value) for item in items if (value := item.take(message)) is not None]
+        for store, owners in self._fed:
+            taken = []
+            for owner, items in owners:
+                try:
+                    holder = owner(message)
+                except IndexError:
+                    holder = _NOWHERE
+                for pick, decode, state, index, catch_pulse in items:
+                    try:
+                        value = decode(pick(holder), state.value)
+                    except IndexError:
+                        value = Misfit.ABSENT
+                    if isinstance(value, Misfit):
+                        state.rejected += 1
+                        state.misfit = value
+                    else:
+                        taken.append((state, (index, value, catch_pulse)))
             with self.lock:
-                for item, value in taken:
-                    item.state.value = value
-                    item.state.received += 1
-                store([(item.point.slot.index, value, item.point.catch_pulse)
-                       for item, value in taken])
+                for state, (_, value, _) in taken:
+                    state.value = value
+                    state.received += 1
+                store([write for _, write in taken])
+
+
+def _prepared(item: Input) -> _Prepared:
+    point = item.point
+    return (picker(point.field), point.conversion.decode, item.state, point.slot.index,
+            point.catch_pulse)
