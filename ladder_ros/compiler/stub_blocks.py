@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stand-ins for blocks that are not here (a vendor's hardware): Program -> Program.
 
-Each use of an unknown block becomes an instance of a composite without a body, and so does a
-function block of the project whose body cannot run (C++, Python, SFC).  What is wired to its inputs
-is ordinary output of the program, and its outputs are ordinary inputs, which a topic or a table can
+Each use of an unknown block becomes an instance of a composite without a body; so does a function
+block of the project whose body cannot run (C++, Python, SFC).  What is wired to its inputs is
+ordinary output of the program, and its outputs are ordinary inputs, which a topic or a table can
 drive.
 """
 
