@@ -101,6 +101,8 @@ _FILES = (
              'it is read as {read}'),
     _error('L0152', '{what} has no meaning: {reason}',
            'open the project in OpenPLC Editor, mend this there and save it again'),
+    _error('L0153', '{name} is one POU of an OpenPLC Editor v4 project, which is not here',
+           'give the folder that holds project.json, or a file in the folder pous beside it'),
 )
 
 _NAMES = (
@@ -134,6 +136,9 @@ _NAMES = (
     _warning('L0243', '{name} is not declared', 'it is taken as a local variable of type {type}'),
     _warning('L0244', 'nothing is wired to the pin {pin} of {owner}',
              'it is taken as the zero of its type, {type}; wire a value to it'),
+    _warning('L0245', 'the body of {name} cannot run: {reason}; there is a stand-in for it',
+             'the outputs of its instances are inputs of the program: map them to topics; '
+             'pins: {pins}'),
     _error('L0240', 'the body of {name} cannot run: {reason}',
            'draw it as a ladder or function block diagram, or write it in Structured Text'),
     _warning('L0241', 'the body of {name} cannot run: {reason}; nothing uses it',
