@@ -25,7 +25,7 @@ from ladder_ros.refactor.metrics import (
     measure,
     measure_loading,
 )
-from ladder_ros.refactor.select import extract_rungs
+from ladder_ros.refactor.select import extract_part, extract_rungs
 from ladder_ros.source.model_to_xml import write_program
 from ladder_ros.source.read_any import read_any
 
@@ -123,13 +123,23 @@ def auto(
 
 
 def extract(
-    path: str | os.PathLike[str], *, pou: str, rungs: Sequence[str], name: str,
-    everywhere: bool = False, category: str = '', specification: str = '',
+    path: str | os.PathLike[str], *, pou: str, rungs: Sequence[str],
+    components: Sequence[str] = (), name: str, everywhere: bool = False, category: str = '',
+    specification: str = '',
 ) -> Edit:
-    """Make a composite of neighbouring rungs, and of all that are like them."""
-    program, replaced = extract_rungs(
-        _own(path), pou, rungs, name=name, everywhere=everywhere, category=category,
-        specification=specification)
+    """Make a composite of neighbouring rungs, or of components of one, and of all like them."""
+    before = _own(path)
+    if components and len(rungs) == 1:
+        program, replaced = extract_part(
+            before, pou, rungs[0], components, name=name, everywhere=everywhere,
+            category=category, specification=specification)
+    elif components:
+        raise LadderError.of('L0631', before.location, what=' '.join(components),
+                             reason='components of one rung are needed, name that rung alone')
+    else:
+        program, replaced = extract_rungs(
+            before, pou, rungs, name=name, everywhere=everywhere, category=category,
+            specification=specification)
     return _edit(program, (f'{name} for {fragment}' for fragment in replaced))
 
 

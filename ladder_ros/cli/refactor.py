@@ -91,6 +91,8 @@ def _add_extract(parser: _Parser) -> None:
     _add_pou(parser)
     parser.add_argument('--rungs', metavar='ID', nargs='+', required=True,
                         help='the rungs, neighbours of each other')
+    parser.add_argument('--components', metavar='ID', nargs='+', default=(),
+                        help='only these components of the rung')
     parser.add_argument('--name', required=True, help='of the new composite')
     parser.add_argument('--everywhere', action='store_true',
                         help='replace all that are the same up to renaming')
@@ -106,8 +108,9 @@ def _add_pou(parser: _Parser) -> None:
 
 def _extract(args: argparse.Namespace) -> Answer:
     return _edited(refactoring.extract(
-        args.program, pou=args.pou, rungs=args.rungs, name=args.name, everywhere=args.everywhere,
-        category=args.category, specification=args.specification), args)
+        args.program, pou=args.pou, rungs=args.rungs, components=args.components,
+        name=args.name, everywhere=args.everywhere, category=args.category,
+        specification=args.specification), args)
 
 
 ACTIONS: Mapping[str, _Action] = {
