@@ -20,10 +20,8 @@ from ladder_ros.model.component import (
     Argument,
     Block,
     Coil,
-    CoilKind,
     Component,
     Contact,
-    ContactKind,
     Instance,
     Placement,
 )
@@ -51,15 +49,23 @@ from ladder_ros.refactor.naming import (
     common_name,
     is_block,
     is_legal,
+    numbered,
     snake,
     unique,
 )
 from ladder_ros.refactor.parts import box_symbol, cut
-from ladder_ros.refactor.places import Access, base, is_literal, names_in, renamed, with_rungs
+from ladder_ros.refactor.places import (
+    Access,
+    base,
+    is_literal,
+    names_in,
+    remembers,
+    renamed,
+    with_rungs,
+)
 from ladder_ros.refactor.shapes import Analysis
 
 _FALLBACK = {Access.READ: 'In', Access.WRITE: 'Out', Access.BOTH: 'InOut', Access.STATE: 'State'}
-_EDGES = (ContactKind.RISING, ContactKind.FALLING, CoilKind.RISING, CoilKind.FALLING)
 BOX_WIDTH = 2
 """Columns of an instance that fills a rung of its own."""
 
@@ -235,7 +241,7 @@ class _Extraction:
         return Instance(
             id='i1', placement=Placement(
                 x=0, y=0, width=BOX_WIDTH, height=len(arguments) + 1),
-            composite=self.name, instance=unique(snake(self.name), self._taken(pou)),
+            composite=self.name, instance=numbered(snake(self.name), self._taken(pou)),
             arguments=arguments, was=tuple(self._was(pou, fragment, number, old)),
             location=fragment.location)
 
@@ -243,7 +249,7 @@ class _Extraction:
         """Return the names that a new instance in a POU may not have, to be added to."""
         scope = scope_of(pou_key(pou))
         if scope not in self.taken:
-            self.taken[scope] = _names_seen(self.program, pou)
+            self.taken[scope] = names_seen(self.program, pou)
         return self.taken[scope]
 
     def _was(
@@ -267,7 +273,7 @@ class _Extraction:
         inner = {rung: str(index + 1) for index, rung in enumerate(self.fit.fragments[0].rungs)}
         for place, own in zip(self.fit.fragments[0].order, fragment.order, strict=True):
             component = there[own]
-            if isinstance(component, (Contact, Coil)) and component.kind in _EDGES:
+            if isinstance(component, (Contact, Coil)) and remembers(component):
                 for path in (f'{start}{own[0]}/{own[1]}', *component.was):
                     yield f'{inner[place[0]]}/{place[1]}={path}'
 
@@ -299,7 +305,7 @@ def _without(program: Program, names: set[tuple[str, str]]) -> Program:
                          for c in program.composites))
 
 
-def _names_seen(program: Program, pou: Pou) -> set[str]:
+def names_seen(program: Program, pou: Pou) -> set[str]:
     """Return every name that a POU sees or uses."""
     if isinstance(pou, Composite):
         declared: tuple[Parameter | Variable, ...] = (*pou.parameters, *pou.variables)

@@ -43,7 +43,7 @@ class Cut:
             for vertex, rail in ((self.source[0], Rail.LEFT), (self.target[0], Rail.RIGHT)))
         inside = self.symbols | self.inner
         arcs = [arc for arc in self.aov.arcs if arc.source in inside or arc.target in inside]
-        return _numbered(replace(
+        return numbered(replace(
             self.aov, comment='',
             symbols=tuple(s for s in self.aov.symbols if s.id in self.symbols),
             virtuals=(left, *(v for v in self.aov.virtuals if v.id in self.inner), right),
@@ -65,7 +65,7 @@ class Cut:
                 if arc.source not in inside and arc.target not in inside]
         arcs += [Arc(source=self.source[0], source_pin=self.source[1], target=number),
                  Arc(source=number, target=self.target[0], target_pin=self.target[1])]
-        return _numbered(replace(
+        return numbered(replace(
             self.aov, symbols=tuple(symbols), arcs=tuple(arcs),
             virtuals=tuple(v for v in self.aov.virtuals if v.id not in inside)))
 
@@ -126,7 +126,7 @@ def _histories(
     return access_histories([Leaf(symbol=symbol) for symbol in symbols], key)
 
 
-def _numbered(aov: Aov) -> Aov:
+def numbered(aov: Aov) -> Aov:
     """Return the graph with symbols numbered first, in order, as all graphs are."""
     vertices: list[SymbolVertex | VirtualVertex] = [*aov.symbols, *aov.virtuals]
     number = {vertex.id: index for index, vertex in enumerate(vertices)}

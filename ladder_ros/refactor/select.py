@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.component import Column, Row
-from ladder_ros.model.program import Body, Pou, Program, Rung
+from ladder_ros.model.program import Body, Composite, Pou, Program, Rung
 from ladder_ros.refactor.extract import extract
 from ladder_ros.refactor.fit import fit, Fragment, Leak, Scopes
 from ladder_ros.refactor.fragments import shape_program, Shapes
@@ -134,6 +134,16 @@ def require_pou(program: Program, name: str = '') -> Pou:
     what = f'body or composite {name}' if name else 'single body: name one with --pou'
     raise LadderError.of('L0630', program.location, what=what,
                          known=', '.join(pou.name for pou in pous))
+
+
+def require_composite(program: Program, name: str) -> Composite:
+    """Return a composite by name.  Raises LadderError L0630."""
+    for composite in program.composites:
+        if composite.name.casefold() == name.casefold():
+            return composite
+    known = ', '.join(composite.name for composite in program.composites)
+    raise LadderError.of('L0630', program.location, what=f'composite {name}',
+                         known=known or 'none')
 
 
 def require_rung(pou: Pou, identifier: str) -> Rung:
