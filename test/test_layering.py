@@ -28,7 +28,7 @@ FUNCTION_LINES = 60
 # What a room may import of the package, as module prefixes; its own modules it may always import.
 BASE = {'problems', 'diagnostics'}
 DATA = BASE | {'model', 'executable'}
-DOORS = BASE | {'session', 'model.types', 'executable', 'runtime.clock', 'resources'}
+DOORS = BASE | {'session', 'editing', 'model.types', 'executable', 'runtime.clock', 'resources'}
 MAY_IMPORT: dict[str, set[str]] = {
     '': set(),
     'problems': set(),
@@ -46,6 +46,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     'session': DATA | {
         'source', 'drawing', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'resources',
     },
+    'editing': DATA | {'source', 'drawing', 'edit'},
     # What a recording of topics is for a program is the node's to say; that part needs no ROS.
     'cli': DOORS | {'ros.bag'},
     'ros': DOORS,
