@@ -186,7 +186,7 @@ def edit_to_json(edit: Edit) -> dict[str, object]:
 def edit_from_json(data: object, location: Location | None = None) -> Edit:
     """Return the edit that plain JSON data describe.  Raises LadderError L0625."""
     place = location or Location()
-    if not isinstance(data, dict) or data.get('edit') not in _NAMES:
+    if not isinstance(data, dict) or data.get('edit') not in EDITS:
         raise LadderError.of('L0625', place, reason=f'{data!r} is no edit', expected=(
             'write {"edit": ..., ...}; edits are ' + ', '.join(EDITS)))
     rest = {key: value for key, value in data.items() if key != 'edit'}
