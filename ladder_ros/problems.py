@@ -237,6 +237,14 @@ _ROS = (
 _EDITING = (
     _error('L0620', 'rung {rung} has no drawing with its order of evaluation',
            'break the loop of data connections in it, or split the rung'),
+    _error('L0621', 'there is no {what} {name}', 'known here: {known}{hint}'),
+    _error('L0622', 'rung {rung} would become {width} columns wide',
+           'the limit is {limit}: make a composite of a part of it, or split it with a variable'),
+    _error('L0623', '{name} may not stand there: {reason}', '{remedy}'),
+    _error('L0624', '{name} cannot be deleted: {reason}', 'every rung and branch has an output'),
+    _error('L0625', 'the edit cannot be done: {reason}', '{expected}'),
+    _error('L0626', '{name} cannot be edited: it is no ladder diagram on our grid',
+           'draw it as a program of ladder_ros; Structured Text is edited as text'),
 )
 
 _REFACTORING = (
