@@ -25,9 +25,9 @@ from ladder_ros.ros.fields import Array, FieldType, Nested, Scalar, Schema, Unkn
 from ladder_ros.ros.io_map import resolve_io
 from ladder_ros.ros.io_points import IoMap
 from ladder_ros.ros.parameters import read_settings, Settings
-from ladder_ros.ros.reception import Input, Reception, Source, Write
+from ladder_ros.ros.reception import Input, Reception, Source, Store
 from ladder_ros.ros.rules import did_you_mean
-from ladder_ros.session import InputTable
+from ladder_ros.session import InputTable, Write
 
 SUFFIXES = ('.db3', '.mcap')
 NODE = '/plc_node'
@@ -233,16 +233,14 @@ class _Pending:
         self._later: dict[int, Value] = {}
         self._last: dict[int, Value] = {}
 
-    def write(
-        self, index: int, value: Value, *, catch_pulse: bool = False,
-        of: Executable | None = None,
-    ) -> None:
-        waiting = self._next.get(index, value)
-        if catch_pulse and waiting != value and waiting != self._last.get(index):
-            self._later[index] = value
-        else:
-            self._next[index] = value
-            self._later.pop(index, None)
+    def write(self, values: Iterable[Write], *, of: Executable | None = None) -> None:
+        for index, value, catch_pulse in values:
+            waiting = self._next.get(index, value)
+            if catch_pulse and waiting != value and waiting != self._last.get(index):
+                self._later[index] = value
+            else:
+                self._next[index] = value
+                self._later.pop(index, None)
 
     def take(self) -> tuple[tuple[int, Value], ...]:
         taken, self._next, self._later = self._next, self._later, {}
@@ -256,13 +254,18 @@ class _Inputs:
     def __init__(self, executable: Executable, io_map: IoMap) -> None:
         self._executable = executable
         self._pending = _Pending()
-        write: Write = self._pending.write
+        store: Store = self._pending.write
         self._sources: dict[str, Source] = {}
+        self._inputs: list[Input] = []
+        fed: dict[str, list[Input]] = {}
         for point in io_map.inputs:
-            source = self._sources.setdefault(
-                point.endpoint.full_topic, Source(endpoint=point.endpoint))
-            source.inputs += (Input(point=point, state=Reception(), write=write),)
-        self._inputs = [item for source in self._sources.values() for item in source.inputs]
+            topic = point.endpoint.full_topic
+            source = self._sources.setdefault(topic, Source(point.endpoint))
+            item = Input(point=point, state=Reception(lock=source.lock), store=store)
+            self._inputs.append(item)
+            fed.setdefault(topic, []).append(item)
+        for topic, inputs in fed.items():
+            self._sources[topic].feed(inputs)
 
     def rows(
         self, messages: list[Message], scans: int, interval_ns: int,

@@ -30,7 +30,7 @@ from ladder_ros.model.types import Value
 from ladder_ros.ros.io_points import Endpoint, InputPoint, IoMap, OutputPoint
 from ladder_ros.ros.message_types import message_class, new_message
 from ladder_ros.ros.publications import Channel, Publication
-from ladder_ros.ros.reception import Input, NOTHING, Reception, Source, Write
+from ladder_ros.ros.reception import Input, NOTHING, Reception, Source, Store
 
 _NO_MAP = IoMap()
 DELIVERY_SECONDS = 0.5
@@ -106,11 +106,11 @@ class Bindings:
     """
 
     def __init__(
-        self, node: Any, write: Write, warn: Callable[[str], None], ros_time: RosTime,
+        self, node: Any, store: Store, warn: Callable[[str], None], ros_time: RosTime,
     ) -> None:
         """Start without any; ``warn`` gets sentences for the log."""
         self._node = node
-        self._write = write
+        self._store = store
         self._warn = warn
         self._ros_time = ros_time
         self._plan = Plan()
@@ -137,9 +137,10 @@ class Bindings:
         messages: dict[Endpoint, list[OutputPoint]] = {}
         for output in io_map.outputs:
             messages.setdefault(output.endpoint, []).append(output)
+        store = partial(self._store, of=executable)
         try:
             for point in io_map.inputs:
-                self._add_input(plan, point, partial(self._write, of=executable))
+                self._add_input(plan, point, store)
             for endpoint, outputs in messages.items():
                 plan.publications[endpoint] = Publication(
                     outputs, self._channel(endpoint), new_message)
@@ -280,9 +281,9 @@ class Bindings:
             for (endpoint, name), item in plan.inputs.items():
                 fed.setdefault(endpoint, {})[name] = item
         for endpoint, source in self._sources().items():
-            source.inputs = tuple(fed[endpoint].values())
+            source.feed(fed[endpoint].values())
 
-    def _add_input(self, plan: Plan, point: InputPoint, write: Write) -> None:
+    def _add_input(self, plan: Plan, point: InputPoint, store: Store) -> None:
         endpoint = point.endpoint
         source = plan.sources.get(endpoint) or self._sources().get(endpoint)
         if source is None:
@@ -292,12 +293,12 @@ class Bindings:
         known = next((other.inputs[key] for other in self._plans.values() if key in other.inputs),
                      None)
         plan.inputs[key] = Input(
-            point=point, state=known.state if known else Reception(), write=write)
+            point=point, state=known.state if known else Reception(lock=source.lock), store=store)
         if source.last is not NOTHING:  # nobody may send it again
             plan.inputs[key].recall(source.last)
 
     def _subscribe(self, endpoint: Endpoint) -> Source:
-        source = Source(endpoint=endpoint)
+        source = Source(endpoint)
         events = SubscriptionEventCallbacks(
             incompatible_qos=lambda event: self._mismatch(endpoint, event))
         source.subscription = self._node.create_subscription(

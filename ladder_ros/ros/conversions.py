@@ -178,6 +178,8 @@ def conversion(type_: DataType, field: Scalar, adjust: Adjustment = AS_IS) -> Co
         return Conversion(
             encode=_float_encoder(kind),
             decode=_decode_single if type_ is DataType.REAL else _decode_double)
+    if kind == 'bool':
+        return Conversion(encode=_whole_encoder(kind), decode=_decode_bool)
     return Conversion(encode=_whole_encoder(kind), decode=_whole_decoder(type_))
 
 
@@ -194,6 +196,10 @@ def _whole_encoder(kind: str) -> Encode:
         return as_field(min(max(number, low), high)), False
 
     return encode
+
+
+def _decode_bool(field: FieldValue, _last: Value | None) -> Value | Misfit:
+    return bool(field)
 
 
 def _whole_decoder(type_: DataType) -> Decode:

@@ -287,27 +287,36 @@ def _getters(steps: Steps) -> Iterator[Callable[[Any], Any]]:
         yield attrgetter('.'.join(names))
 
 
-def reader(field: Field) -> Callable[[Any], Any]:
-    """Return a function that takes a message to the value of a field.
+def picker(field: Field) -> Callable[[Any], Any]:
+    """Return a function that takes what holds a field to the value of the field.
 
-    It raises IndexError where a message has too few elements.
+    What holds it is at the end of all steps but the last; an array in which it is missing raises
+    IndexError.
     """
-    get = getter(field.steps)
+    last, bit = field.steps[-1], field.bit
+    get: Callable[[Any], Any] = itemgetter(last) if isinstance(last, int) else attrgetter(last)
     if field.type.kind == 'octet':
         get = _as_number(get)
-    bit = field.bit
     if bit is None:
         return get
-    return lambda message: int(get(message)) >> bit & 1
+    if isinstance(last, int) and field.type.kind != 'octet':
+        return lambda owner: int(owner[last]) >> bit & 1
+    return lambda owner: int(get(owner)) >> bit & 1
 
 
 def _as_number(get: Callable[[Any], Any]) -> Callable[[Any], int]:
     """Read octets, which are ``bytes`` of one byte in messages and numbers in recordings."""
-    def number(message: Any) -> int:
-        value = get(message)
+    def number(owner: Any) -> int:
+        value = get(owner)
         return value[0] if isinstance(value, bytes) else int(value)
 
     return number
+
+
+def reader(field: Field) -> Callable[[Any], Any]:
+    """Return a function that takes a message to the value of a field; see :func:`picker`."""
+    owner, pick = getter(field.steps[:-1]), picker(field)
+    return lambda message: pick(owner(message))
 
 
 def writer(field: Field) -> Callable[[Any, Any], None]:
