@@ -101,6 +101,8 @@ _FILES = (
              'it is read as {read}'),
     _error('L0152', '{what} has no meaning: {reason}',
            'open the project in OpenPLC Editor, mend this there and save it again'),
+    _error('L0153', '{name} is one POU of an OpenPLC Editor v4 project, which is not here',
+           'give the folder that holds project.json, or a file in the folder pous beside it'),
 )
 
 _NAMES = (
@@ -134,6 +136,9 @@ _NAMES = (
     _warning('L0243', '{name} is not declared', 'it is taken as a local variable of type {type}'),
     _warning('L0244', 'nothing is wired to the pin {pin} of {owner}',
              'it is taken as the zero of its type, {type}; wire a value to it'),
+    _warning('L0245', 'the body of {name} cannot run: {reason}; there is a stand-in for it',
+             'the outputs of its instances are inputs of the program: map them to topics; '
+             'pins: {pins}'),
     _error('L0240', 'the body of {name} cannot run: {reason}',
            'draw it as a ladder or function block diagram, or write it in Structured Text'),
     _warning('L0241', 'the body of {name} cannot run: {reason}; nothing uses it',
@@ -232,6 +237,14 @@ _ROS = (
 _EDITING = (
     _error('L0620', 'rung {rung} has no drawing with its order of evaluation',
            'break the loop of data connections in it, or split the rung'),
+    _error('L0621', 'there is no {what} {name}', 'known here: {known}{hint}'),
+    _error('L0622', 'rung {rung} would become {width} columns wide',
+           'the limit is {limit}: make a composite of a part of it, or split it with a variable'),
+    _error('L0623', '{name} may not stand there: {reason}', '{remedy}'),
+    _error('L0624', '{name} cannot be deleted: {reason}', 'every rung and branch has an output'),
+    _error('L0625', 'the edit cannot be done: {reason}', '{expected}'),
+    _error('L0626', '{name} cannot be edited: it is no ladder diagram on our grid',
+           'draw it as a program of ladder_ros; Structured Text is edited as text'),
 )
 
 _REFACTORING = (
@@ -239,6 +252,9 @@ _REFACTORING = (
     _error('L0631', '{what} cannot become a composite: {reason}',
            'choose more or less of the drawing, or change it so that this is not so'),
     _error('L0632', '{name} cannot be used as a name: {reason}', 'choose another name'),
+    _error('L0634', '{name} cannot be drawn out: {reason}',
+           'leave it as it is, or draw its contents here by hand'),
+    _error('L0635', 'rung {rung} cannot be {what}: {reason}', 'change the drawing first'),
 )
 
 _PROVING = (

@@ -17,6 +17,7 @@ from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.program import Program
 from ladder_ros.refactor.auto import refactor
 from ladder_ros.refactor.clones import find_repeats, MOST_PARAMETERS, Repeat
+from ladder_ros.refactor.inline import inline_composite, inline_instance
 from ladder_ros.refactor.metrics import (
     Counts,
     DEFAULT_RUNS,
@@ -25,7 +26,16 @@ from ladder_ros.refactor.metrics import (
     measure,
     measure_loading,
 )
-from ladder_ros.refactor.select import extract_rungs
+from ladder_ros.refactor.rename import rename as rename_in
+from ladder_ros.refactor.select import (
+    extract_part,
+    extract_rungs,
+    require_composite,
+    require_pou,
+    require_rung,
+)
+from ladder_ros.refactor.split import merge_rungs, split_rung
+from ladder_ros.refactor.unused import remove_unused as remove_unused_from
 from ladder_ros.source.model_to_xml import write_program
 from ladder_ros.source.read_any import read_any
 
@@ -41,7 +51,12 @@ __all__ = [
     'auto',
     'extract',
     'find',
+    'inline',
     'measure_files',
+    'merge',
+    'remove_unused',
+    'rename',
+    'split',
 ]
 
 
@@ -123,14 +138,64 @@ def auto(
 
 
 def extract(
-    path: str | os.PathLike[str], *, pou: str, rungs: Sequence[str], name: str,
-    everywhere: bool = False, category: str = '', specification: str = '',
+    path: str | os.PathLike[str], *, pou: str, rungs: Sequence[str],
+    components: Sequence[str] = (), name: str, everywhere: bool = False, category: str = '',
+    specification: str = '',
 ) -> Edit:
-    """Make a composite of neighbouring rungs, and of all that are like them."""
-    program, replaced = extract_rungs(
-        _own(path), pou, rungs, name=name, everywhere=everywhere, category=category,
-        specification=specification)
+    """Make a composite of neighbouring rungs, or of components of one, and of all like them."""
+    before = _own(path)
+    if components and len(rungs) == 1:
+        program, replaced = extract_part(
+            before, pou, rungs[0], components, name=name, everywhere=everywhere,
+            category=category, specification=specification)
+    elif components:
+        raise LadderError.of('L0631', before.location, what=' '.join(components),
+                             reason='components of one rung are needed, name that rung alone')
+    else:
+        program, replaced = extract_rungs(
+            before, pou, rungs, name=name, everywhere=everywhere, category=category,
+            specification=specification)
     return _edit(program, (f'{name} for {fragment}' for fragment in replaced))
+
+
+def inline(
+    path: str | os.PathLike[str], *, composite: str = '', pou: str = '', instance: str = '',
+) -> Edit:
+    """Draw out one instance in a POU, or all instances of a composite and remove that."""
+    before = _own(path)
+    if composite:
+        return _edit(inline_composite(before, composite), [f'{composite} is drawn out'])
+    found = require_pou(before, pou)
+    return _edit(inline_instance(before, found, instance),
+                 [f'{instance} in {found.name} is drawn out'])
+
+
+def rename(path: str | os.PathLike[str], old: str, new: str, *, composite: str = '') -> Edit:
+    """Rename something in the program, or a member of a composite."""
+    before = _own(path)
+    inside = require_composite(before, composite) if composite else None
+    return _edit(rename_in(before, old, new, inside), [f'{old} is now {new}'])
+
+
+def remove_unused(path: str | os.PathLike[str]) -> Edit:
+    """Remove the variables, parameters, composites and tasks that nothing uses."""
+    program, removed = remove_unused_from(_own(path))
+    return _edit(program, (f'removed {what}' for what in removed))
+
+
+def split(path: str | os.PathLike[str], *, pou: str, rung: str) -> Edit:
+    """Split a rung into the drawings in it that have only the power rails in common."""
+    before = _own(path)
+    found = require_pou(before, pou)
+    return _edit(split_rung(before, found, require_rung(found, rung)), [f'split rung {rung}'])
+
+
+def merge(path: str | os.PathLike[str], *, pou: str, rungs: Sequence[str]) -> Edit:
+    """Draw neighbouring rungs as one."""
+    before = _own(path)
+    found = require_pou(before, pou)
+    chosen = [require_rung(found, rung) for rung in rungs]
+    return _edit(merge_rungs(before, found, chosen), [f'merged rungs {", ".join(rungs)}'])
 
 
 def _own(path: str | os.PathLike[str]) -> Program:

@@ -29,7 +29,9 @@ FUNCTION_LINES = 60
 BASE = {'problems', 'diagnostics'}
 DATA = BASE | {'model', 'executable'}
 DOORS = BASE | {
-    'session', 'refactoring', 'proving', 'model.types', 'executable', 'runtime.clock', 'resources'}
+    'session', 'editing', 'refactoring', 'proving', 'model.types', 'executable', 'runtime.clock',
+    'resources',
+}
 MAY_IMPORT: dict[str, set[str]] = {
     '': set(),
     'problems': set(),
@@ -52,6 +54,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     },
     'refactoring': DATA | {'source', 'compiler', 'refactor'},
     'proving': DATA | {'source', 'compiler', 'refactor', 'runtime'},
+    'editing': DATA | {'source', 'drawing', 'edit'},
     # What a recording of topics is for a program is the node's to say; that part needs no ROS.
     'cli': DOORS | {'ros.bag'},
     'ros': DOORS,

@@ -26,6 +26,7 @@ import ladder_ros
 from ladder_ros.cli import (
     check,
     dump,
+    edit,
     export,
     metrics,
     prove,
@@ -53,7 +54,7 @@ from ladder_ros.diagnostics import InternalError, LadderError, render
 
 VERBS: Mapping[str, Verb] = {
     module.VERB.name: module.VERB for module in (
-        check, show, dump, simulate, export, metrics, refactor, prove, record, replay)
+        check, show, dump, simulate, export, edit, metrics, refactor, prove, record, replay)
 }
 """The verbs by name, in the order in which they are useful."""
 

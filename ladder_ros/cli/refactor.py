@@ -91,6 +91,8 @@ def _add_extract(parser: _Parser) -> None:
     _add_pou(parser)
     parser.add_argument('--rungs', metavar='ID', nargs='+', required=True,
                         help='the rungs, neighbours of each other')
+    parser.add_argument('--components', metavar='ID', nargs='+', default=(),
+                        help='only these components of the rung')
     parser.add_argument('--name', required=True, help='of the new composite')
     parser.add_argument('--everywhere', action='store_true',
                         help='replace all that are the same up to renaming')
@@ -106,15 +108,79 @@ def _add_pou(parser: _Parser) -> None:
 
 def _extract(args: argparse.Namespace) -> Answer:
     return _edited(refactoring.extract(
-        args.program, pou=args.pou, rungs=args.rungs, name=args.name, everywhere=args.everywhere,
-        category=args.category, specification=args.specification), args)
+        args.program, pou=args.pou, rungs=args.rungs, components=args.components,
+        name=args.name, everywhere=args.everywhere, category=args.category,
+        specification=args.specification), args)
+
+
+# -- the other ways -------------------------------------------------------------------------------
+
+def _add_inline(parser: _Parser) -> None:
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument('--composite', metavar='NAME', default='',
+                      help='all its instances; its definition is removed')
+    what.add_argument('--instance', metavar='NAME', default='', help='only this one')
+    _add_pou(parser)
+    add_output(parser)
+
+
+def _inline(args: argparse.Namespace) -> Answer:
+    return _edited(refactoring.inline(
+        args.program, composite=args.composite, pou=args.pou, instance=args.instance), args)
+
+
+def _add_rename(parser: _Parser) -> None:
+    parser.add_argument('old', metavar='OLD', help='a variable, instance, composite, body or task')
+    parser.add_argument('new', metavar='NEW')
+    parser.add_argument('--in', dest='composite', metavar='COMPOSITE', default='',
+                        help='OLD is a parameter, variable or instance of this composite')
+    add_output(parser)
+
+
+def _rename(args: argparse.Namespace) -> Answer:
+    return _edited(
+        refactoring.rename(args.program, args.old, args.new, composite=args.composite), args)
+
+
+def _remove_unused(args: argparse.Namespace) -> Answer:
+    return _edited(refactoring.remove_unused(args.program), args)
+
+
+def _add_split(parser: _Parser) -> None:
+    _add_pou(parser)
+    parser.add_argument('--rung', metavar='ID', required=True)
+    add_output(parser)
+
+
+def _split(args: argparse.Namespace) -> Answer:
+    return _edited(refactoring.split(args.program, pou=args.pou, rung=args.rung), args)
+
+
+def _add_merge(parser: _Parser) -> None:
+    _add_pou(parser)
+    parser.add_argument('--rungs', metavar='ID', nargs='+', required=True,
+                        help='two or more neighbours')
+    add_output(parser)
+
+
+def _merge(args: argparse.Namespace) -> Answer:
+    return _edited(refactoring.merge(args.program, pou=args.pou, rungs=args.rungs), args)
 
 
 ACTIONS: Mapping[str, _Action] = {
     'find': _Action(summary='list what repeats, what saves most first', add=_add_limit, run=_find),
     'auto': _Action(summary='make composites of what repeats until nothing pays', add=_add_auto,
                     run=_auto),
-    'extract': _Action(summary='make a composite of some rungs', add=_add_extract, run=_extract),
+    'extract': _Action(summary='make a composite of rungs or of part of a rung',
+                       add=_add_extract, run=_extract),
+    'inline': _Action(summary='draw out what instances of composites stand for',
+                      add=_add_inline, run=_inline),
+    'rename': _Action(summary='rename something everywhere', add=_add_rename, run=_rename),
+    'remove-unused': _Action(summary='remove what nothing uses', add=add_output,
+                             run=_remove_unused),
+    'split': _Action(summary='split a rung into its independent drawings', add=_add_split,
+                     run=_split),
+    'merge': _Action(summary='draw neighbouring rungs as one', add=_add_merge, run=_merge),
 }
 """The words that may stand behind the program."""
 

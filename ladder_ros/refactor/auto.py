@@ -7,9 +7,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ladder_ros.model.program import Program
-from ladder_ros.refactor.clones import find_repeats, MOST_PARAMETERS, Repeat
+from ladder_ros.refactor.clones import MOST_PARAMETERS, Repeat, repeats_in
 from ladder_ros.refactor.extract import extract
-from ladder_ros.refactor.fit import find_pou, Role, rungs_of
+from ladder_ros.refactor.fit import Role
+from ladder_ros.refactor.fragments import shape_program
+from ladder_ros.refactor.metrics import measure
 from ladder_ros.refactor.naming import common_name, is_block, unique
 
 
@@ -33,14 +35,25 @@ def refactor(
     Each step saves components, so there is an end.  Raises LadderError with the program's errors.
     """
     steps: list[Step] = []
-    while repeats := find_repeats(program, most_parameters=most_parameters):
-        best = repeats[0]
-        name = suggest_name(program, best)
-        first = best.occurrences[0]
-        template = rungs_of(find_pou(program, first.pou), first.rungs)
-        program = extract(program, best.fit, template, name=name)
-        steps.append(Step(name=name, repeat=best))
+    while (step := _best_step(program, most_parameters)) is not None:
+        program, done = step
+        steps.append(done)
     return program, tuple(steps)
+
+
+def _best_step(program: Program, most_parameters: int) -> tuple[Program, Step] | None:
+    """Return the program after its best extraction; None if none pays.
+
+    What a rung costs whose parts are boxes shows when it is drawn.
+    """
+    shapes = shape_program(program)
+    drawn = measure(program).counts.components
+    for repeat in repeats_in(shapes, most_parameters):
+        name = suggest_name(program, repeat)
+        smaller = extract(shapes.analysis, repeat.fit, name=name)
+        if measure(smaller).counts.components < drawn:
+            return smaller, Step(name=name, repeat=repeat)
+    return None
 
 
 def suggest_name(program: Program, repeat: Repeat) -> str:

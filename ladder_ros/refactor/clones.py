@@ -3,8 +3,10 @@
 """Find what repeats in a program, and rank it by what a composite for it would save.
 
 What may repeat is a rung or a sequence of neighbouring rungs, the same up to renaming
-(:mod:`ladder_ros.refactor.shapes`).  Sequences grow rung by rung from repeats that are shorter by
-one, as classes of equal positions, so that the cost is that of the repeats and not of all pairs.
+(:mod:`ladder_ros.refactor.shapes`), or a part of a rung that names a variable more than once, as
+an exclusive OR does; smaller parts would be boxes that hide nothing.  Sequences grow rung by rung
+from repeats that are shorter by one, as classes of equal positions, so that the cost is that of
+the repeats and not of all pairs.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from collections import defaultdict
 from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 
+from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.program import Program
 from ladder_ros.refactor.fit import Fit, fit, Fragment, Role, Scopes
 from ladder_ros.refactor.fragments import shape_program, Shapes
@@ -45,12 +48,18 @@ class Repeat:
         """What counts: components that need not be drawn and parameters that need not be set."""
         return self.saving.components + self.saving.parameters
 
+    @property
+    def hides(self) -> bool:
+        """Whether an instance has fewer parameters to set than what it stands for."""
+        return len(self.fit.parameters) < self.occurrences[0].counts.parameters
+
     def to_json(self) -> dict[str, object]:
         """Return it as plain JSON data."""
         roles = [slot.role for slot in self.fit.slots]
         return {
             'occurrences': [
-                {'pou': found.pou.partition(' ')[2], 'rungs': list(found.rungs)}
+                {'pou': found.pou.partition(' ')[2], 'rungs': list(found.rungs),
+                 **({'components': list(found.components)} if found.components else {})}
                 for found in self.occurrences],
             'parameters': roles.count(Role.PARAMETER),
             'internal': roles.count(Role.INTERNAL) + roles.count(Role.STATE),
@@ -64,12 +73,17 @@ def find_repeats(
 
     What lies within better ones is left out.  Raises LadderError with the program's errors.
     """
-    shapes = shape_program(program)
-    scopes = Scopes(program)
+    return repeats_in(shape_program(program), most_parameters)
+
+
+def repeats_in(shapes: Shapes, most_parameters: int) -> tuple[Repeat, ...]:
+    """Return what repeats in a program whose shapes are known."""
+    scopes = Scopes(shapes.program)
     found = [
         Repeat(fit=fitted) for fitted in _fits(shapes, scopes)
         if len(fitted.parameters) <= most_parameters and fitted.parameters]
-    paying = [repeat for repeat in found if repeat.saving.components > 0 and repeat.worth > 0]
+    paying = [repeat for repeat in found if repeat.saving.components > 0 and repeat.worth > 0
+              and (not repeat.occurrences[0].components or repeat.hides)]
     paying.sort(key=lambda repeat: (
         -repeat.worth, -repeat.saving.connections, len(repeat.fit.parameters),
         repeat.occurrences[0].location.line or 0))
@@ -78,17 +92,19 @@ def find_repeats(
 
 def _outermost(repeats: Sequence[Repeat]) -> Iterator[Repeat]:
     """Yield the repeats of which not every occurrence lies within those of better ones."""
-    taken: set[tuple[str, str]] = set()
+    taken: set[tuple[str, ...]] = set()
     for repeat in repeats:
-        rungs = {(found.pou, rung) for found in repeat.occurrences for rung in found.rungs}
+        rungs = {(found.pou, rung, *found.components)
+                 for found in repeat.occurrences for rung in found.rungs}
+        if all((pou, rung) in taken for pou, rung, *_ in rungs):
+            continue
         if not rungs <= taken:
             taken |= rungs
             yield repeat
 
 
 def _fits(shapes: Shapes, scopes: Scopes) -> Iterator[Fit]:
-    for positions, length in _classes(shapes):
-        fragments = [shapes.fragment(pou, first, length) for pou, first in positions]
+    for fragments in _alike(shapes):
         groups: dict[Hashable, list[Fragment]] = defaultdict(list)
         for fragment in fragments:
             groups[_pattern(fragment, scopes)].append(fragment)
@@ -99,6 +115,41 @@ def _fits(shapes: Shapes, scopes: Scopes) -> Iterator[Fit]:
             fitted = fit(choice, scopes)
             if isinstance(fitted, Fit):
                 yield fitted
+
+
+def _alike(shapes: Shapes) -> Iterator[list[Fragment]]:
+    """Yield fragments of one shape each: sequences of rungs, then parts of rungs."""
+    for positions, length in _classes(shapes):
+        yield [shapes.fragment(pou, first, length) for pou, first in positions]
+    found: dict[int, list[tuple[str, int, tuple[str, ...]]]] = defaultdict(list)
+    for pou, rungs in shapes.pous.items():
+        for index, rung in enumerate(rungs.rungs):
+            for number, components in shapes.shaper.parts(
+                    shapes.analysis.graph(rungs, rung)):
+                found[number].append((pou, index, components))
+    for places in found.values():
+        if len(places) > 1:
+            parts = list(_disjoint(shapes, places))
+            by_shape: dict[int, list[Fragment]] = defaultdict(list)
+            for number, fragment in parts:
+                by_shape[number].append(fragment)
+            yield from (group for group in by_shape.values() if len(group) > 1)
+
+
+def _disjoint(
+    shapes: Shapes, places: Sequence[tuple[str, int, tuple[str, ...]]],
+) -> Iterator[tuple[int, Fragment]]:
+    """Yield the parts, but those that share a component with an earlier one or cannot be cut."""
+    taken: set[tuple[str, int, str]] = set()
+    for pou, index, components in places:
+        own = {(pou, index, component) for component in components}
+        if own & taken:
+            continue
+        try:
+            yield shapes.part(pou, index, components)
+        except LadderError:
+            continue
+        taken |= own
 
 
 def _classes(shapes: Shapes) -> Iterator[tuple[list[tuple[str, int]], int]]:

@@ -12,16 +12,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from ladder_ros.compiler.aov import Aov
 from ladder_ros.compiler.symbols import pou_key
-from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.diagnostics import LadderError
+from ladder_ros.edit.aov_to_rung import draw_rung
 from ladder_ros.model.component import (
     Argument,
     Block,
     Coil,
-    CoilKind,
     Component,
     Contact,
-    ContactKind,
     Instance,
     Placement,
 )
@@ -49,30 +49,38 @@ from ladder_ros.refactor.naming import (
     common_name,
     is_block,
     is_legal,
+    numbered,
     snake,
     unique,
 )
-from ladder_ros.refactor.places import Access, base, is_literal, names_in, renamed, with_rungs
+from ladder_ros.refactor.parts import box_symbol, cut
+from ladder_ros.refactor.places import (
+    Access,
+    base,
+    is_literal,
+    names_in,
+    remembers,
+    renamed,
+    with_rungs,
+)
+from ladder_ros.refactor.shapes import Analysis
 
 _FALLBACK = {Access.READ: 'In', Access.WRITE: 'Out', Access.BOTH: 'InOut', Access.STATE: 'State'}
-_EDGES = (ContactKind.RISING, ContactKind.FALLING, CoilKind.RISING, CoilKind.FALLING)
 BOX_WIDTH = 2
 """Columns of an instance that fills a rung of its own."""
 
 
 def extract(
-    program: Program, fit: Fit, template: Sequence[Rung], *, name: str, category: str = '',
-    specification: str = '',
+    analysis: Analysis, fit: Fit, *, name: str, category: str = '', specification: str = '',
 ) -> Program:
-    """Return the program with a new composite in the place of the fragments.
+    """Return the analysed program with a new composite in the place of the fragments.
 
-    ``template`` are the rungs of the first fragment.  Raises LadderError L0632 if the name cannot
-    be used.
+    Raises LadderError L0632 if the name cannot be used, L0631 or L0620 if a part of a rung cannot
+    be cut out or drawn.
     """
-    check_name(program, name)
-    return _Extraction(
-        program=program, fit=fit, name=name, members=_member_names(program, fit),
-    ).run(template, category, specification)
+    check_name(analysis.program, name)
+    return _Extraction(analysis=analysis, fit=fit, name=name, members=_member_names(fit)).run(
+        category, specification)
 
 
 def check_name(program: Program, name: str) -> None:
@@ -88,7 +96,7 @@ def check_name(program: Program, name: str) -> None:
         raise LadderError.of('L0632', program.location, name=name, reason=reason)
 
 
-def _member_names(program: Program, fit: Fit) -> tuple[str, ...]:
+def _member_names(fit: Fit) -> tuple[str, ...]:
     """Return the name of each slot inside the composite; constants keep their text."""
     taken: set[str] = set()
     names = []
@@ -105,25 +113,50 @@ def _member_names(program: Program, fit: Fit) -> tuple[str, ...]:
 
 class _Extraction:
     def __init__(
-        self, *, program: Program, fit: Fit, name: str, members: tuple[str, ...],
+        self, *, analysis: Analysis, fit: Fit, name: str, members: tuple[str, ...],
     ) -> None:
-        self.program = program
+        self.analysis = analysis
+        self.program = analysis.program
         self.fit = fit
         self.name = name
         self.members = members
-        self.scopes = Scopes(program)
+        self.scopes = Scopes(analysis.program)
+        self.graphs: dict[tuple[str, str], Aov] = {}
+        """Graphs of the rungs that parts were cut out of, by POU key and rung id."""
+        self.taken: dict[str, set[str]] = {}
+        """Names that are in use, by scope."""
 
-    def run(self, template: Sequence[Rung], category: str, specification: str) -> Program:
+    def run(self, category: str, specification: str) -> Program:
         composite = Composite(
             name=self.name, call=CallKind.INLINE, parameters=tuple(self._parameters()),
-            variables=tuple(self._variables()), rungs=tuple(self._rungs(template)),
+            variables=tuple(self._variables()), rungs=tuple(self._rungs(self._template())),
             category=category, specification=specification,
             location=self.fit.fragments[0].location)
         program = self.program
         for number, fragment in enumerate(self.fit.fragments):
             program = self._put_instance(program, fragment, number)
+        for (key, rung), graph in self.graphs.items():
+            pou = find_pou(program, key)
+            drawn = self._drawn(graph, key, rung, graph.comment)
+            program = with_pou(program, with_rungs(pou, tuple(
+                replace(drawn, location=old.location) if old.id == rung else old
+                for old in pou.rungs)))
         return _without(
             replace(program, composites=(*program.composites, composite)), self._moved())
+
+    def _drawn(self, graph: Aov, pou: str, rung: str, comment: str) -> Rung:
+        return draw_rung(graph, rung_id=rung, comment=comment,
+                         access_key=self.analysis.keys[pou])
+
+    def _template(self) -> tuple[Rung, ...]:
+        """Return the first fragment as rungs."""
+        first = self.fit.fragments[0]
+        rungs = rungs_of(find_pou(self.program, first.pou), first.rungs)
+        if not first.components:
+            return rungs
+        whole = self.analysis.graphs[first.pou, rungs[0].id.casefold()]
+        part = cut(whole, first.components, self.analysis.keys[first.pou]).part()
+        return (self._drawn(part, first.pou, '1', ''),)
 
     # -- the definition ---------------------------------------------------------------------------
 
@@ -153,6 +186,8 @@ class _Extraction:
         names = {spot.place.text: self._inner(index) for index, spot in enumerate(first.spots)}
         for number, rung in enumerate(template):
             comments = [self._rung(fragment, number).comment for fragment in self.fit.fragments]
+            if first.components:
+                comments = []
             yield replace(
                 rung, id=str(number + 1), comment=common_comment(comments),
                 components=tuple(
@@ -174,16 +209,10 @@ class _Extraction:
     def _put_instance(self, program: Program, fragment: Fragment, number: int) -> Program:
         pou = find_pou(program, fragment.pou)
         old = rungs_of(pou, fragment.rungs)
-        arguments = tuple(
-            Argument(pin=name, operand=slot.texts[number], location=fragment.location)
-            for slot, name in zip(self.fit.slots, self.members, strict=True)
-            if slot.role is Role.PARAMETER)
-        box = Instance(
-            id='i1', placement=Placement(
-                x=0, y=0, width=BOX_WIDTH, height=len(arguments) + 1),
-            composite=self.name, instance=unique(snake(self.name), _taken(program, pou)),
-            arguments=arguments, was=tuple(self._was(pou, fragment, number, old)),
-            location=fragment.location)
+        box = self._box(pou, fragment, number)
+        if fragment.components:
+            self._put_into(fragment, old[0], box)
+            return program
         comment = old[0].comment if len(old) == 1 else common_comment(
             rung.comment for rung in old) or old[0].comment
         rung = Rung(id=old[0].id, width=BOX_WIDTH, components=(box,), comment=comment,
@@ -191,6 +220,37 @@ class _Extraction:
         first = pou.rungs.index(old[0])
         return with_pou(program, with_rungs(
             pou, (*pou.rungs[:first], rung, *pou.rungs[first + len(old):])))
+
+    def _put_into(self, fragment: Fragment, rung: Rung, box: Instance) -> None:
+        """Put an instance in the place of part of a rung's graph."""
+        key = fragment.pou, rung.id
+        graph = self.graphs.get(key, self.analysis.graphs[fragment.pou, rung.id.casefold()])
+        part = cut(graph, fragment.components, self.analysis.keys[fragment.pou])
+        taken = {symbol.component.id.casefold() for symbol in graph.symbols}
+        box = replace(box, id=unique('i1', taken))
+        members = [symbol for symbol in graph.symbols if symbol.id in part.symbols]
+        self.graphs[key] = part.rest(box_symbol(box, members))
+
+    def _box(self, pou: Pou, fragment: Fragment, number: int) -> Instance:
+        """Return the instance that stands for a fragment; it has the first cell."""
+        old = rungs_of(find_pou(self.program, fragment.pou), fragment.rungs)
+        arguments = tuple(
+            Argument(pin=name, operand=slot.texts[number], location=fragment.location)
+            for slot, name in zip(self.fit.slots, self.members, strict=True)
+            if slot.role is Role.PARAMETER)
+        return Instance(
+            id='i1', placement=Placement(
+                x=0, y=0, width=BOX_WIDTH, height=len(arguments) + 1),
+            composite=self.name, instance=numbered(snake(self.name), self._taken(pou)),
+            arguments=arguments, was=tuple(self._was(pou, fragment, number, old)),
+            location=fragment.location)
+
+    def _taken(self, pou: Pou) -> set[str]:
+        """Return the names that a new instance in a POU may not have, to be added to."""
+        scope = scope_of(pou_key(pou))
+        if scope not in self.taken:
+            self.taken[scope] = names_seen(self.program, pou)
+        return self.taken[scope]
 
     def _was(
         self, pou: Pou, fragment: Fragment, number: int, rungs: Sequence[Rung],
@@ -213,7 +273,7 @@ class _Extraction:
         inner = {rung: str(index + 1) for index, rung in enumerate(self.fit.fragments[0].rungs)}
         for place, own in zip(self.fit.fragments[0].order, fragment.order, strict=True):
             component = there[own]
-            if isinstance(component, (Contact, Coil)) and component.kind in _EDGES:
+            if isinstance(component, (Contact, Coil)) and remembers(component):
                 for path in (f'{start}{own[0]}/{own[1]}', *component.was):
                     yield f'{inner[place[0]]}/{place[1]}={path}'
 
@@ -245,8 +305,8 @@ def _without(program: Program, names: set[tuple[str, str]]) -> Program:
                          for c in program.composites))
 
 
-def _taken(program: Program, pou: Pou) -> set[str]:
-    """Return the names that a new instance in a POU may not have."""
+def names_seen(program: Program, pou: Pou) -> set[str]:
+    """Return every name that a POU sees or uses."""
     if isinstance(pou, Composite):
         declared: tuple[Parameter | Variable, ...] = (*pou.parameters, *pou.variables)
         return {item.name.casefold() for item in declared} | set(names_in(pou.rungs))
@@ -265,8 +325,3 @@ def _forgetful(component: Component) -> Component:
     if isinstance(component, (Contact, Coil, Block, Instance)):
         return replace(component, was=())
     return component
-
-
-def refuse(location: Location, what: str, reason: str) -> LadderError:
-    """Return the error of a selection that cannot become a composite."""
-    return LadderError.of('L0631', location, what=what, reason=reason)

@@ -35,6 +35,15 @@ def unique(name: str, taken: set[str]) -> str:
     return candidate
 
 
+def numbered(stem: str, taken: set[str]) -> str:
+    """Return the name with the first free number behind it, and take it."""
+    count = 1
+    while f'{stem}_{count}' in taken:
+        count += 1
+    taken.add(f'{stem}_{count}')
+    return f'{stem}_{count}'
+
+
 def snake(name: str) -> str:
     """Return the name as instances are called: ``FloorIndicator: floor_indicator``."""
     return '_'.join(word.casefold() for word in _WORD.findall(name)) or 'box'

@@ -19,9 +19,11 @@ from ladder_ros.model.component import (
     Argument,
     Block,
     Coil,
+    CoilKind,
     Column,
     Component,
     Contact,
+    ContactKind,
     Instance,
     InVariable,
     Jump,
@@ -32,6 +34,7 @@ from ladder_ros.model.component import (
 from ladder_ros.model.program import Composite, Direction, Pou, Rung
 
 _NAME = re.compile(r'[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$')
+_EDGES = (ContactKind.RISING, ContactKind.FALLING, CoilKind.RISING, CoilKind.FALLING)
 _CONSTANTS = ('true', 'false')
 
 
@@ -106,6 +109,11 @@ def _by_pin(arguments: tuple[Argument, ...]) -> Iterator[Argument]:
 def operands_of(component: Component) -> tuple[str, ...]:
     """Return every name that stands in a component, its own instance included."""
     return tuple(place.text for place in places(component, {}) if not is_literal(place.text))
+
+
+def remembers(component: Contact | Coil) -> bool:
+    """Say whether a contact or coil has an edge memory."""
+    return component.kind in _EDGES
 
 
 def is_literal(text: str) -> bool:

@@ -17,9 +17,10 @@ the meaning.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from ladder_ros.compiler.access_keys import access_key, AccessKey
 from ladder_ros.compiler.aov import Aov, SymbolVertex
 from ladder_ros.compiler.aov_to_tree import reduce_to_tree
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
@@ -44,6 +45,9 @@ from ladder_ros.model.component import Argument, Block, Coil, Component, Contact
 from ladder_ros.model.program import CallKind, Composite, Pou, Program, Rung
 from ladder_ros.model.types import DataType
 from ladder_ros.refactor.places import base, Directions, directions, is_literal, Place, places
+
+MOST_PART = 12
+"""Components in a part of a rung that is looked for elsewhere."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -93,6 +97,8 @@ class Analysis:
     symbols: Symbols
     graphs: Mapping[tuple[str, str], Aov]
     """By POU key and casefolded rung id."""
+    keys: Mapping[str, AccessKey]
+    """What tells variables apart in each POU."""
 
     def graph(self, pou: Pou, rung: Rung) -> Aov:
         """Return a rung's graph."""
@@ -116,7 +122,8 @@ def analyse_program(program: Program) -> Analysis:
             graphs[pou_key(pou), rung.id.casefold()] = aov
     if has_errors(found):
         raise LadderError(found)
-    return Analysis(program=program, symbols=symbols, graphs=graphs)
+    return Analysis(program=program, symbols=symbols, graphs=graphs,
+                    keys={pou_key(pou): access_key(program, pou) for pou in pous})
 
 
 class Shaper:
@@ -129,7 +136,20 @@ class Shaper:
 
     def shape(self, aov: Aov) -> Shape:
         """Return the shape of a rung."""
-        return _RungShape(aov=aov, numbers=self._numbers, known=self._directions).run()
+        return self._of(aov).run()
+
+    def parts(self, aov: Aov, size: int = 0) -> Iterator[tuple[int, tuple[str, ...]]]:
+        """Yield parts of a rung: a number, equal for what is equal up to renaming, and ids.
+
+        They are neighbouring members of a series or parallel connection of contacts: all of
+        ``size`` components, or those that name a variable twice.
+        """
+        shape = self._of(aov)
+        shape.run()
+        yield from shape.parts(size)
+
+    def _of(self, aov: Aov) -> _RungShape:
+        return _RungShape(aov=aov, numbers=self._numbers, known=self._directions)
 
 
 @dataclass(slots=True, kw_only=True)
@@ -144,6 +164,31 @@ class _RungShape:
     labels: dict[int, int] = field(default_factory=dict)
     ordered: dict[int, Sequence[Tree]] = field(default_factory=dict)
     has_ties: bool = False
+    chains: list[And | Or] = field(default_factory=list)
+    """Series and parallel connections, each as a whole."""
+
+    def parts(self, size: int) -> Iterator[tuple[int, tuple[str, ...]]]:
+        """Yield what :meth:`Shaper.parts` says."""
+        for chain in self.chains:
+            leaves = [[leaf for leaf in post_order(part) if not isinstance(leaf, (And, Or))]
+                      for part in _parts(chain)]
+            numbers = [self.plain[id(part)] for part in _parts(chain)]
+            for first in range(len(leaves)):
+                found: list[Leaf] = []
+                for last in range(first, len(leaves)):
+                    if not all(_is_contact(leaf) for leaf in leaves[last]):
+                        break
+                    found += (leaf for leaf in leaves[last] if isinstance(leaf, Leaf))
+                    if len(found) > MOST_PART:
+                        break
+                    names = {c.operand.casefold() for leaf in found
+                             if isinstance(c := leaf.symbol.component, Contact)}
+                    wanted = len(found) == size if size else len(names) < len(found)
+                    if wanted and last > first:
+                        number = self.numbers.of(
+                            ('part', type(chain).__name__,
+                             tuple(sorted(numbers[first:last + 1]))))
+                        yield number, tuple(leaf.symbol.component.id for leaf in found)
 
     def run(self) -> Shape:
         forest = reduce_to_tree(self.aov, lambda operand: str(operand).casefold())
@@ -188,6 +233,8 @@ class _RungShape:
                 if id(node) in inner:
                     continue
                 parts = self._in_order(node, numbers, pure, commutes)
+                if numbers is self.plain and commutes and not isinstance(node, Fork):
+                    self.chains.append(node)
                 self.ordered[id(node)] = parts
                 goes_on = node.goes_on if isinstance(node, Fork) else None
                 key = (type(node).__name__, goes_on, *(numbers[id(part)] for part in parts))
@@ -305,6 +352,10 @@ def _parts(node: And | Or | Fork) -> list[Tree]:
         else:
             found.append(child)
     return found
+
+
+def _is_contact(leaf: Tree) -> bool:
+    return isinstance(leaf, Leaf) and isinstance(leaf.symbol.component, Contact)
 
 
 def _is_coil(part: Tree) -> bool:

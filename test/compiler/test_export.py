@@ -32,7 +32,7 @@ from ladder_ros.source.xml_to_model import parse_program
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = sorted((ROOT / 'programs').glob('*.xml'))
 IMPORTED = [ROOT / 'test' / 'cases' / 'plcopen' / f'{name}.xml'
-            for name in ('editor', 'jumps', 'several_programs', 'types', 'v4_build')]
+            for name in ('codesys', 'editor', 'jumps', 'several_programs', 'types', 'v4_build')]
 
 Form = tuple[Callable[[Program], str], Callable[[bytes, str], Program]]
 FORMS: dict[str, Form] = {

@@ -13,10 +13,11 @@ from support.random_rungs import Case
 
 from ladder_ros.compiler.pipeline import check_program
 from ladder_ros.diagnostics import has_errors, LadderError
+from ladder_ros.model.component import Column, Row
 from ladder_ros.model.program import RunKind
 from ladder_ros.refactor.auto import refactor
 from ladder_ros.refactor.metrics import measure
-from ladder_ros.refactor.select import extract_rungs
+from ladder_ros.refactor.select import extract_part, extract_rungs
 from ladder_ros.runtime.clock import SimulatedClock
 from ladder_ros.session import Session
 from ladder_ros.source.model_to_xml import write_program
@@ -56,7 +57,7 @@ def test_extract_when_a_variable_moves_inside_then_the_program_loses_it() -> Non
     old = program(*TWICE, declared=outputs('a', 'b', kind='input') + outputs('k1'))
     new, _ = extract_rungs(old, 'main', ['1', '2'], name='Box')
     assert names_of(old) - names_of(new) == {'m1'}
-    assert moved_to(new)['m1'] == 'box.M1'
+    assert moved_to(new)['m1'] == 'box_1.M1'
 
 
 def test_extract_when_rungs_are_not_neighbours_then_it_is_refused() -> None:
@@ -86,7 +87,7 @@ def test_extract_when_there_is_no_such_rung_then_the_known_ones_are_named() -> N
 
 
 @given(repeating(), st.data())
-@settings(max_examples=60)
+@settings(max_examples=30)
 def test_extract_when_any_rungs_are_chosen_then_the_program_does_the_same(
     case: Case, data: st.DataObject,
 ) -> None:
@@ -104,7 +105,7 @@ def test_extract_when_any_rungs_are_chosen_then_the_program_does_the_same(
 
 
 @given(repeating())
-@settings(max_examples=60)
+@settings(max_examples=30)
 def test_auto_when_any_program_is_refactored_then_it_does_the_same(case: Case) -> None:
     assume(not has_errors(check_program(case.program)))
     new, steps = refactor(case.program)
@@ -201,3 +202,61 @@ def test_change_when_a_falling_edge_was_extracted_then_it_is_still_seen(
     changed(bench, tmp_path, '4')
     bench.scan(press=False)
     assert bench.session.read('gone') is True
+
+
+# -- parts of a rung ------------------------------------------------------------------------------
+
+XOR = ('a /b | /a b -> k', 'c d -> m', '/e f | e /f -> n')
+
+
+def test_part_when_extracted_then_a_box_stands_in_the_rung() -> None:
+    old = program('a /b | /a b -> k', declared=outputs('a', 'b', kind='input'))
+    new, _ = extract_part(old, 'main', '1', ['c0_0', 'c0_1', 'c1_0', 'c1_1'], name='Either')
+    assert [type(c).__name__ for c in new.bodies[0].rungs[0].components] == ['Instance', 'Coil']
+    assert [p.name for p in new.composites[0].parameters] == ['A', 'B']
+    assert check_program(new) == ()
+
+
+def test_part_when_everywhere_then_branches_in_another_order_are_replaced_too() -> None:
+    old = program(*XOR, declared=outputs(*'abcdef', kind='input'))
+    new, replaced = extract_part(
+        old, 'main', '1', ['c0_0', 'c0_1', 'c1_0', 'c1_1'], name='Either', everywhere=True)
+    assert (uses(new, 'Either'), [part.rungs for part in replaced]) == (2, [('1',), ('3',)])
+
+
+def test_part_when_it_has_two_ways_in_then_it_is_refused() -> None:
+    with pytest.raises(LadderError) as caught:
+        extract_part(program(*XOR), 'main', '1', ['c0_0', 'c1_1'], name='Either')
+    assert code(caught.value) == 'L0631'
+
+
+def test_part_when_a_line_is_named_then_there_is_no_such_component() -> None:
+    with pytest.raises(LadderError) as caught:
+        extract_part(program('a b | c -> k'), 'main', '1', ['r1'], name='Part')
+    assert code(caught.value) == 'L0630'
+
+
+def test_auto_when_an_exclusive_or_repeats_then_it_becomes_a_composite() -> None:
+    old = program('a /b | /a b -> k', '/e f | e /f -> Sn', 'g x h | g /x /h -> Rz',
+                  declared=outputs(*'abefghx', kind='input') + outputs('k', 'n', 'z'))
+    _, steps = refactor(old)
+    assert [(part.rungs, sorted(part.components)) for part in steps[0].repeat.occurrences] == [
+        (('1',), ['c0_0', 'c0_1', 'c1_0', 'c1_1']), (('2',), ['c0_0', 'c0_1', 'c1_0', 'c1_1'])]
+
+
+@given(repeating(), st.data())
+@settings(max_examples=30)
+def test_part_when_any_components_are_chosen_then_it_does_the_same_or_is_refused(
+    case: Case, data: st.DataObject,
+) -> None:
+    assume(not has_errors(check_program(case.program)))
+    main = next(body for body in case.program.bodies if body.run is RunKind.CYCLIC)
+    rung = data.draw(st.sampled_from(main.rungs))
+    ids = [c.id for c in rung.components if not isinstance(c, (Row, Column))]
+    chosen = data.draw(st.lists(st.sampled_from(ids), min_size=1, max_size=4, unique=True))
+    try:
+        new, _ = extract_part(case.program, 'main', rung.id, chosen, name='Part')
+    except LadderError as error:
+        assert code(error) in ('L0631', 'L0620')
+        return
+    assert_same_run(case.program, parse_program(write_program(new).encode()), case)
