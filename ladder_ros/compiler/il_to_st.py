@@ -311,7 +311,7 @@ class StEmitter:
         arguments: list[str] = []
         before: list[tuple[Operand, str]] = []
         after: list[tuple[Operand, str]] = []
-        own, enable = interface(composite, rename=self.names.types.rename)
+        own, enable = interface(composite, self.names.types)
         if op is Op.EXE:
             arguments.append(f'{enable} := {power}')
         for pin, operand in call.inputs:

@@ -142,8 +142,12 @@ def _find_networks(rung: Rung) -> dict[str, str]:
     return {name: find(name) for name in parent}
 
 
-def _statements(rung: Rung, network_of: Mapping[str, str]) -> Sequence[Component]:
+def statements(rung: Rung) -> Sequence[Component]:
     """Return what is evaluated for its own sake, in order, and the labels in between."""
+    return _statements(rung, _find_networks(rung))
+
+
+def _statements(rung: Rung, network_of: Mapping[str, str]) -> Sequence[Component]:
     listed: list[Component] = [
         c for c in rung.components
         if isinstance(c, (Coil, OutVariable, Jump, Label, Block, Instance))]

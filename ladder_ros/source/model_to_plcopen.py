@@ -412,7 +412,6 @@ class _Shapes:
         yield f'            <block {head} typeName={quoteattr(type_)}{name}>{at}'
         ins, outs = self.all_pins(block)
         modifiers = {m.pin.casefold(): m for m in block.modifiers}
-        both = [pin for pin in outs if pin in ins and isinstance(block, Instance)]
 
         def marks(pin: str) -> str:
             modifier = modifiers.get(pin.casefold())
@@ -421,25 +420,18 @@ class _Shapes:
             edge = '' if modifier.edge is PinEdge.NONE else f' edge="{modifier.edge.value}"'
             return _negated(modifier.negated) + edge
 
+        # An in-out pin stands on both sides: editors leave out what is in inOutVariables.
         yield '              <inputVariables>'
         for index, pin in enumerate(ins):
-            if pin not in both:
-                yield (f'                <variable formalParameter={quoteattr(pin)}{marks(pin)}>'
-                       f'{self.taken(block, pin, pin_y(index))}</variable>')
-        yield '              </inputVariables>'
-        yield '              <inOutVariables>'
-        for pin in both:
             yield (f'                <variable formalParameter={quoteattr(pin)}{marks(pin)}>'
-                   f'{self.taken(block, pin, pin_y(ins.index(pin)))}<connectionPointOut>'
-                   f'<relPosition x="{block.placement.width}" y="{pin_y(outs.index(pin))}"/>'
-                   '</connectionPointOut></variable>')
-        yield '              </inOutVariables>'
+                   f'{self.taken(block, pin, pin_y(index))}</variable>')
+        yield '              </inputVariables>'
+        yield '              <inOutVariables/>'
         yield '              <outputVariables>'
         for index, pin in enumerate(outs):
-            if pin not in both:
-                yield (f'                <variable formalParameter={quoteattr(pin)}{marks(pin)}>'
-                       f'<connectionPointOut><relPosition x="{block.placement.width}" '
-                       f'y="{pin_y(index)}"/></connectionPointOut></variable>')
+            yield (f'                <variable formalParameter={quoteattr(pin)}{marks(pin)}>'
+                   f'<connectionPointOut><relPosition x="{block.placement.width}" '
+                   f'y="{pin_y(index)}"/></connectionPointOut></variable>')
         yield '              </outputVariables>'
         if isinstance(block, Block) and block.statements:
             text = escape('\n'.join(print_statements(block.statements)))
