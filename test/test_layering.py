@@ -47,7 +47,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     'session': DATA | {
         'source', 'drawing', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'resources',
     },
-    'refactoring': DATA | {'source', 'compiler', 'refactor'},
+    'refactoring': DATA | {'source', 'drawing', 'compiler', 'refactor'},
     # What a recording of topics is for a program is the node's to say; that part needs no ROS.
     'cli': DOORS | {'ros.bag'},
     'ros': DOORS,

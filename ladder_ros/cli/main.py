@@ -26,6 +26,7 @@ from ladder_ros.cli import (
     check,
     dump,
     export,
+    library,
     metrics,
     record,
     refactor,
@@ -50,7 +51,8 @@ from ladder_ros.diagnostics import InternalError, LadderError, render
 
 VERBS: Mapping[str, Verb] = {
     module.VERB.name: module.VERB for module in (
-        check, show, dump, simulate, export, metrics, refactor, record, replay)
+        check, show, dump, simulate, export, metrics, refactor, library, record,
+        replay)
 }
 """The verbs by name, in the order in which they are useful."""
 

@@ -73,7 +73,7 @@ class _Resolver:
                 self.report('L0201', composite.location, 'a block of the catalogue has this name',
                             name=composite.name)
         tasks = {task.name.casefold() for task in program.tasks}
-        if not program.bodies:
+        if not program.bodies and not program.is_library:
             self.report('L0219', program.location)
         for body in program.bodies:
             if body.task and body.task.casefold() not in tasks:

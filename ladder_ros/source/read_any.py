@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ladder_ros.model.program import Program
 from ladder_ros.source.import_options import import_options, with_options
+from ladder_ros.source.libraries import with_libraries
 from ladder_ros.source.openplc_files import pou_files, PROJECT_FILE
 from ladder_ros.source.openplc_to_model import read_openplc
 from ladder_ros.source.plcopen_project import is_project
@@ -38,7 +39,7 @@ def parse_any(data: bytes, file: str = '') -> Program:
     namespace, tag = root_element(data)
     if is_project(namespace, tag):
         return with_options(parse_project(data, file), import_options(file))
-    return parse_program(data, file)
+    return with_libraries(parse_program(data, file), file)
 
 
 def openplc_folder(path: str) -> Path | None:
