@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command ``ladder``: reads the command line, prints the answer, chooses the exit status.
 
-Exit status: 0 fine, 1 problems with the program or its files, 2 wrong usage, 70 a fault of
-ladder_ros itself, 130 interrupted, 141 the reader of the output has gone.  With ``--json`` exactly
-one JSON document is printed whatever happens: its member ``ok`` says whether the status is 0.
+Exit status: 0 fine, 1 problems with the program or its files, 2 wrong usage, 3 not decided
+(prove), 70 a fault of ladder_ros itself, 130 interrupted, 141 the reader of the output has gone.
+With ``--json`` exactly one JSON document is printed whatever happens: its member ``ok`` says
+whether the status is 0.
 """
 
 from __future__ import annotations
@@ -25,9 +26,11 @@ import ladder_ros
 from ladder_ros.cli import (
     check,
     dump,
+    edit,
     export,
     library,
     metrics,
+    prove,
     record,
     refactor,
     replay,
@@ -44,6 +47,7 @@ from ladder_ros.cli.verb import (
     INTERNAL,
     INTERRUPTED,
     PROBLEMS,
+    UNDECIDED,
     USAGE,
     Verb,
 )
@@ -51,7 +55,7 @@ from ladder_ros.diagnostics import InternalError, LadderError, render
 
 VERBS: Mapping[str, Verb] = {
     module.VERB.name: module.VERB for module in (
-        check, show, dump, simulate, export, metrics, refactor, library, record,
+        check, show, dump, simulate, export, edit, metrics, refactor, library, prove, record,
         replay)
 }
 """The verbs by name, in the order in which they are useful."""
@@ -113,6 +117,8 @@ def _print(answer: Answer, args: argparse.Namespace) -> int:
                      'diagnostics': [d.to_json() for d in answer.diagnostics]})
     elif answer.diagnostics and not answer.reported:
         terminal.report(render(answer.diagnostics))
+    if answer.is_open:
+        return UNDECIDED
     return FINE if answer.is_fine else PROBLEMS
 
 
@@ -183,7 +189,7 @@ def _parser() -> argparse.ArgumentParser:
         description='Check, look at and try out ladder programs; nothing here needs ROS.',
         epilog=examples(verb.examples[0] for verb in VERBS.values())
         + '\n\nladder VERB --help tells more. Exit status: 0 fine, 1 problems, 2 usage,\n'
-        '70 a fault of ladder itself.')
+        '3 not decided (prove), 70 a fault of ladder itself.')
     parser.add_argument('--version', action='version', version=ladder_ros.__version__)
     add_json(parser)
     verbs = parser.add_subparsers(dest='verb', metavar='VERB', required=True)

@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 from ladder_ros.compiler.symbols import Element, Literal, Operand
 from ladder_ros.model.program import Body, CallKind, Direction, Pou, Program, Variable
+from ladder_ros.model.types import normal_address
 
 AccessKey = Callable[[Operand], 'str | None']
 
@@ -15,12 +16,9 @@ AccessKey = Callable[[Operand], 'str | None']
 def storage_key(variable: Variable) -> str:
     """Return what tells the storage of a located variable, whichever way its address is written.
 
-    ``%Q0.0`` is ``%QX0.0``; variables of other types at an address have storage of their own.
+    Variables of other types at an address have storage of their own.
     """
-    address = variable.address.upper()
-    if address[2:3].isdigit():
-        address = f'{address[:2]}X{address[2:]}'
-    return f'{address} {variable.type}'
+    return f'{normal_address(variable.address)} {variable.type}'
 
 
 def by_path(operand: Operand) -> str | None:

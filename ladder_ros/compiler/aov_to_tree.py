@@ -120,7 +120,7 @@ class _Reducer:
             else:
                 trees = self._evaluate_joints(left)
         return Forest(rung=self.aov.rung, comment=self.aov.comment, trees=tuple(trees),
-                      temporaries=self.temporaries)
+                      temporaries=self.temporaries, labels=self.aov.labels)
 
     # -- the graph as joints and branches ---------------------------------------------------------
 

@@ -18,8 +18,9 @@ from itertools import pairwise
 from ladder_ros.compiler.access_keys import AccessKey, by_path
 from ladder_ros.compiler.accesses import access_histories
 from ladder_ros.compiler.aov import Aov
+from ladder_ros.compiler.aov_to_tree import reduce_to_tree
 from ladder_ros.compiler.model_to_wiring import analyse_connections
-from ladder_ros.compiler.tree import Leaf
+from ladder_ros.compiler.tree import Leaf, leaves
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import has_errors, InternalError, LadderError
 from ladder_ros.edit.drawable import with_drawable_components
@@ -27,6 +28,7 @@ from ladder_ros.edit.placing import (
     by_order,
     by_place,
     by_power,
+    crossings,
     Piece,
     place_straight,
     place_strips,
@@ -65,30 +67,52 @@ def _draw(
     aov: Aov, rung_id: str, comment: str, columns: int, access_key: AccessKey,
 ) -> tuple[Rung, Aov]:
     aov = with_drawable_components(aov)
-    for placing in _placings(aov, columns):
-        rung = Rung(id=rung_id, width=placing.width, comment=comment,
-                    components=tuple(_Drawing(placing=placing).components()))
-        again = _analysed(aov, rung)
-        if again is not None and _keeps_order(aov, again, access_key):
-            return rung, again
+    for placings in (_close(aov, columns), _loose(aov, columns)):
+        best: tuple[int, Rung, Aov] | None = None
+        for placing in placings:
+            rung = Rung(id=rung_id, width=placing.width, comment=comment,
+                        components=tuple(_Drawing(placing=placing).components()))
+            again = _analysed(aov, rung)
+            if again is None or not _keeps_order(aov, again, access_key):
+                continue
+            count = crossings(placing)
+            if best is None or count < best[0]:
+                best = count, rung, again
+            if count == 0:
+                break
+        if best is not None:
+            return best[1], best[2]
     raise LadderError.of('L0620', aov.symbols[0].component.location, rung=rung_id)
 
 
-def _placings(aov: Aov, columns: int) -> Iterator[Placing]:
-    """Yield drawings, nice ones first; the last ones give each strip a row of its own."""
-    strips = cut_into_strips(aov)
-    for sort in (by_power, by_order):
+def _close(aov: Aov, columns: int) -> Iterator[Placing]:
+    """Yield close drawings; which order of branches crosses least, only trying tells."""
+    for ranks, sort in ((None, by_power), (_ranks, by_power), (None, by_order)):
+        strips = cut_into_strips(aov, ranks=ranks(aov) if ranks else None)
         order = sort(strips)
         straight = place_straight(strips, order, columns=columns)
         if straight is not None:
             yield straight
         if strips.entering or strips.leaving:
             yield place_strips(strips, order, columns=columns)
+
+
+def _loose(aov: Aov, columns: int) -> Iterator[Placing]:
+    """Yield drawings in which each strip has a row of its own, so that the order is what it is."""
     strips = cut_into_strips(aov, lambda before, after: after == before + 1)
     yield place_strips(strips, by_order(strips), columns=columns, apart=True)
     rows = [symbol.component.placement.y for symbol in aov.symbols]
     strips = cut_into_strips(aov, lambda before, after: rows[after] == rows[before])
     yield place_strips(strips, by_place(strips), columns=columns, apart=True)
+
+
+def _ranks(aov: Aov) -> list[int]:
+    """Return where each component stands if what is in parallel is evaluated branch by branch."""
+    forest = reduce_to_tree(aov, lambda operand: None)
+    order = [node.symbol.id for tree in forest.trees for node in leaves(tree)
+             if isinstance(node, Leaf)]
+    place = {symbol: rank for rank, symbol in enumerate(order)}
+    return [place[symbol.id] for symbol in aov.symbols]
 
 
 def _analysed(aov: Aov, rung: Rung) -> Aov | None:

@@ -50,6 +50,8 @@ class Placing:
     """Box node -> its place in ``strips.components``."""
     rows: tuple[int, ...]
     x: tuple[int, ...]
+    spans: dict[int, tuple[int, int]]
+    """Junction -> its first and last row."""
     width: int
 
     def left(self, node: int) -> int:
@@ -135,6 +137,34 @@ class _Bent(Exception):
     """What leads to a pin, or from one, cannot lie in the pin's row."""
 
 
+def crossings(placing: Placing) -> int:
+    """Count the places where a vertical line crosses a strip.  Cost: O(n log n)."""
+    changes: dict[int, list[tuple[int, int]]] = defaultdict(list)
+    for junction, (first, last) in placing.spans.items():
+        changes[first + 1].append((placing.x[junction], 1))
+        changes[max(last, first + 1)].append((placing.x[junction], -1))
+    strips = defaultdict(list)
+    for strip, row in zip(placing.strips.strips, placing.rows, strict=True):
+        strips[row].append((placing.x[strip.source], placing.x[strip.target]))
+    sums = [0] * (placing.width + 1)  # of the vertical lines in the row, as Fenwick has it
+
+    def up_to(x: int) -> int:
+        count = 0
+        while x > 0:
+            count += sums[x]
+            x &= x - 1
+        return count
+
+    found = 0
+    for row in sorted({*changes, *strips}):
+        for x, change in changes.get(row, ()):
+            while x <= placing.width:
+                sums[x] += change
+                x += x & -x
+        found += sum(up_to(end - 1) - up_to(start) for start, end in strips.get(row, ()))
+    return found
+
+
 @dataclass(slots=True, kw_only=True)
 class _Placer:
     strips: Strips
@@ -169,7 +199,7 @@ class _Placer:
         final = self._final(sorted(nodes, key=lambda node: (x[node], node in self.boxes)), used)
         return Placing(
             strips=self.strips, pieces=tuple(self.pieces), boxes=self.boxes, rows=tuple(rows),
-            x=tuple(final), width=final[RIGHT])
+            x=tuple(final), spans=used, width=final[RIGHT])
 
     def component(self, node: int) -> Component:
         return self.strips.components[self.boxes[node]]

@@ -10,7 +10,7 @@ series from one junction to another.  A *lead* joins a pin of a block with its b
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 import math
 
@@ -64,10 +64,16 @@ Follows = Callable[[int, int], bool]
 """Whether a component may stand behind another in one strip, if it follows it in a branch."""
 
 
-def cut_into_strips(aov: Aov, follows: Follows = lambda before, after: True) -> Strips:
-    """Cut a graph into strips; ``follows`` is asked about places in the order of evaluation."""
+def cut_into_strips(
+    aov: Aov, follows: Follows = lambda before, after: True, ranks: Sequence[int] | None = None,
+) -> Strips:
+    """Cut a graph into strips; ``follows`` is asked about places in the order of evaluation.
+
+    ``ranks`` are given to components instead of these places.
+    """
     components = tuple(symbol.component for symbol in aov.symbols)
-    return _Cutter(aov=aov, components=components, follows=follows).cut()
+    return _Cutter(aov=aov, components=components, follows=follows,
+                   ranks=range(len(components)) if ranks is None else ranks).cut()
 
 
 _Arc = tuple[int, str, int, str]
@@ -79,6 +85,7 @@ class _Cutter:
     aov: Aov
     components: tuple[Component, ...]
     follows: Follows
+    ranks: Sequence[int]
     junctions: int = 2
     after: dict[tuple[int, str], list[tuple[int, str]]] = field(
         default_factory=lambda: defaultdict(list))
@@ -208,10 +215,12 @@ class _Cutter:
         for strip in self.strips:
             block = target_of.get(strip.target)
             if block is not None and strip.items:
-                fed[block] = min(fed.get(block, math.inf), strip.items[0] - 0.5)
-        ranked = [replace(strip, rank=min(strip.items[0], fed.get(strip.items[0], math.inf)))
-                  if strip.items else strip for strip in self.strips]
-        first: dict[int, float] = {junction: item + 0.75 for junction, item in target_of.items()}
+                fed[block] = min(fed.get(block, math.inf), self.ranks[strip.items[0]] - 0.5)
+        ranked = [replace(strip, rank=min(
+            self.ranks[strip.items[0]], fed.get(strip.items[0], math.inf)))
+            if strip.items else strip for strip in self.strips]
+        first: dict[int, float] = {
+            junction: self.ranks[item] + 0.75 for junction, item in target_of.items()}
         lines: dict[int, list[int]] = defaultdict(list)
         waiting: dict[int, int] = defaultdict(int)
         for number, strip in enumerate(ranked):

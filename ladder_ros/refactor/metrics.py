@@ -36,6 +36,8 @@ from ladder_ros.model.component import (
     Contact,
     Instance,
     InVariable,
+    Jump,
+    Label,
     OutVariable,
     Row,
     Side,
@@ -213,7 +215,7 @@ def _parameters(component: Component) -> int:
     match component:
         case Contact() | Coil() | InVariable() | OutVariable():
             return 1
-        case Row() | Column():
+        case Row() | Column() | Jump() | Label():
             return 0
         case Block():
             return len(component.inputs) + len(component.outputs)

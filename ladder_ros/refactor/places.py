@@ -26,6 +26,8 @@ from ladder_ros.model.component import (
     ContactKind,
     Instance,
     InVariable,
+    Jump,
+    Label,
     OutVariable,
     Row,
 )
@@ -76,7 +78,7 @@ def places(component: Component, known: Directions) -> tuple[Place, ...]:
             return (Place(pin='', text=operand, access=Access.READ),)
         case Coil(operand=operand) | OutVariable(operand=operand):
             return (Place(pin='', text=operand, access=Access.WRITE),)
-        case Row() | Column():
+        case Row() | Column() | Jump() | Label():
             return ()
         case Block():
             return (*_state(component.instance),
@@ -133,7 +135,7 @@ def renamed(component: Component, rename: Callable[[str], str]) -> Component:
     match component:
         case Contact() | Coil() | InVariable() | OutVariable():
             return replace(component, operand=rename(component.operand))
-        case Row() | Column():
+        case Row() | Column() | Jump() | Label():
             return component
         case Block():
             return replace(

@@ -27,6 +27,8 @@ from ladder_ros.model.component import (
     ContactKind,
     Instance,
     InVariable,
+    Jump,
+    Label,
     OutVariable,
     Placement,
     Row,
@@ -202,7 +204,7 @@ def _component(component: Component) -> _Lines:
             attributes += _optional('bind', bind)
             arguments = [] if bind else [
                 line for item in component.arguments for line in _argument('argument', item)]
-        case InVariable() | OutVariable():
+        case InVariable() | OutVariable() | Jump() | Label():
             raise InternalError('model_to_xml', 'our format has no wires', component.location)
         case _:
             assert_never(component)

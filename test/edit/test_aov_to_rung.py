@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 from random import Random
 
@@ -78,6 +79,33 @@ def test_circuit_when_drawn_anew_then_it_is_the_same_without_a_crossing(rng: Ran
     assert crossings(again) == 0
     assert again.width <= rung.width
     assert rows(again) <= rows(rung)
+
+
+@given(st.randoms(use_true_random=False))
+@settings(max_examples=40)
+def test_circuit_when_it_came_in_any_order_then_it_is_drawn_without_a_crossing(
+    rng: Random,
+) -> None:
+    aov = graph_of(CircuitDrawing(random_circuit(rng, 4, 'abcd'), 'k').rung())
+    order = tuple(aov.symbols[place] for place in shuffled(rng, aov))
+    again = draw_rung(replace(aov, symbols=order), rung_id='1')
+    assert shape(graph_of(again)) == shape(aov)
+    assert crossings(again) == 0
+
+
+def shuffled(rng: Random, aov: Aov) -> list[int]:
+    """Return a random order of evaluation of a graph's components."""
+    waiting = Counter(arc.target for arc in aov.arcs)
+    ready = [vertex.id for vertex in aov.virtuals if not waiting[vertex.id]]
+    order = []
+    while ready:
+        vertex = ready.pop(rng.randrange(len(ready)))
+        order += [vertex] if vertex < len(aov.symbols) else []
+        for arc in aov.arcs:
+            if arc.source == vertex:
+                waiting[arc.target] -= 1
+                ready += [arc.target] if not waiting[arc.target] else []
+    return order
 
 
 @given(st.randoms(use_true_random=False), st.integers(1, 9))

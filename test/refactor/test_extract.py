@@ -170,7 +170,6 @@ def changed(bench: Bench, tmp_path: Path, *rungs: str) -> None:
 def assert_all_kept(change: Change) -> None:
     assert change.report is not None
     assert (change.report.initialised, change.report.dropped) == ((), ())
-    assert change.report.moved
 
 
 def test_change_when_a_latch_was_extracted_then_it_stays_on(
