@@ -253,6 +253,7 @@ _REFACTORING = (
     _error('L0631', '{what} cannot become a composite: {reason}',
            'choose more or less of the drawing, or change it so that this is not so'),
     _error('L0632', '{name} cannot be used as a name: {reason}', 'choose another name'),
+    _error('L0633', 'the library {name} cannot be used: {reason}', '{expected}'),
     _error('L0634', '{name} cannot be drawn out: {reason}',
            'leave it as it is, or draw its contents here by hand'),
     _error('L0635', 'rung {rung} cannot be {what}: {reason}', 'change the drawing first'),
