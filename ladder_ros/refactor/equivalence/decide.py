@@ -115,7 +115,7 @@ class _Decision:
         for exact in (False, True):
             product = self.fresh()
             induction = Induction(product, classes, self.limits.left, exact=exact)
-            induction.run()
+            induction.run([(a, b) for a, b, _ in product.outputs])
             self.effort = replace(
                 self.effort, questions=self.effort.questions + induction.questions,
                 related=sum(len(one.places) for one in classes))
