@@ -43,7 +43,9 @@ MAY_IMPORT: dict[str, set[str]] = {
     'edit': DATA | {'source', 'blocks', 'compiler'},
     'refactor': DATA | {'source', 'blocks', 'compiler', 'edit'},
     'runtime': BASE | {'model.types', 'executable'},
+    'proving_process': {'runtime'},
     'session': DATA | {
+        'proving_process',
         'source', 'drawing', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'resources',
     },
     'proving': DATA | {'source', 'compiler', 'refactor', 'runtime'},

@@ -19,7 +19,7 @@ from typing import Any
 
 from ladder_ros.diagnostics import Diagnostic, Location, problem
 from ladder_ros.model.types import NS_PER_S
-from ladder_ros.session import BACKENDS, DEFAULT_BACKEND
+from ladder_ros.session import BACKENDS, DEFAULT_BACKEND, Requirement
 
 Raw = bool | int | float | str
 """A scalar as it stands in a parameter file."""
@@ -32,6 +32,7 @@ PUBLISH_NAMES = ('change', 'scan')
 START_NAMES = ('warm', 'cold')
 RESET_NAMES = ('cold', 'warm', 'origin')
 WATCH_NAMES = ('outputs', 'all')
+REQUIRE_NAMES = tuple(requirement.value for requirement in Requirement)
 AUTO = 'auto'
 
 # Names that every node has, or that belong to the middleware; no warning for these.
@@ -92,6 +93,11 @@ RULES: tuple[Rule, ...] = (
              'A program in test, or run as a shadow, is taken back after more overruns.')),
     Rule(name='change.shadow_watch', kind=str, default='outputs', choices=WATCH_NAMES,
          read_only=False, description='What a shadow run compares: outputs, or all variables.'),
+    Rule(name='change.require', kind=str, default='nothing', choices=REQUIRE_NAMES,
+         read_only=False, description=(
+             'What a change of the program needs. report: ~/preflight says whether the candidate '
+             'is proved to behave like the running program; equivalent: else it is refused. '
+             'Proofs need the Python package z3-solver.')),
     Rule(name='monitor.pou', kind=str, default='', read_only=False, description=(
         'What ~/monitor shows: a body by its name, or an instance of a composite by its place '
         '(main/3/i1); empty: the first body.')),
