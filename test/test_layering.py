@@ -28,7 +28,8 @@ FUNCTION_LINES = 60
 # What a room may import of the package, as module prefixes; its own modules it may always import.
 BASE = {'problems', 'diagnostics'}
 DATA = BASE | {'model', 'executable'}
-DOORS = BASE | {'session', 'proving', 'model.types', 'executable', 'runtime.clock', 'resources'}
+DOORS = BASE | {
+    'session', 'proving', 'comparing', 'model.types', 'executable', 'runtime.clock', 'resources'}
 MAY_IMPORT: dict[str, set[str]] = {
     '': set(),
     'problems': set(),
@@ -43,6 +44,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     'edit': DATA | {'source', 'blocks', 'compiler'},
     'refactor': DATA | {'source', 'blocks', 'compiler', 'edit'},
     'runtime': BASE | {'model.types', 'executable'},
+    'comparing': DATA | {'source', 'drawing', 'refactor'},
     'proving_process': {'runtime'},
     'session': DATA | {
         'proving_process',

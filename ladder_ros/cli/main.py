@@ -23,7 +23,18 @@ from textwrap import fill
 import traceback
 
 import ladder_ros
-from ladder_ros.cli import check, dump, export, prove, record, replay, show, simulate, terminal
+from ladder_ros.cli import (
+    check,
+    diff,
+    dump,
+    export,
+    prove,
+    record,
+    replay,
+    show,
+    simulate,
+    terminal,
+)
 from ladder_ros.cli.verb import (
     Answer,
     BROKEN_PIPE,
@@ -39,7 +50,7 @@ from ladder_ros.diagnostics import InternalError, LadderError, render
 
 VERBS: Mapping[str, Verb] = {
     module.VERB.name: module.VERB for module in (
-        check, show, dump, simulate, export, prove, record, replay)
+        check, show, dump, simulate, export, diff, prove, record, replay)
 }
 """The verbs by name, in the order in which they are useful."""
 
