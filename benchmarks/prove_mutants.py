@@ -35,7 +35,8 @@ from ladder_ros.source.read_any import read_any
 ROOT = Path(__file__).resolve().parents[1]
 EXAMPLES = ('start_stop', 'traffic_light', 'alternating_lamp', 'conveyor_counter',
             'elevator_3_floor_flat')
-LONG = 2000
+LONG = {'unknown': 2000, 'equivalent': 300}
+"""Scans of each random run that looks for a difference which was not found."""
 
 
 def bases(rng: Random) -> Program:
@@ -45,12 +46,11 @@ def bases(rng: Random) -> Program:
     return with_outputs(random_case(rng).program)
 
 
-def is_different_after_all(old: Program, new: Program) -> bool:
+def is_different_after_all(old: Program, new: Program, scans: int) -> bool:
     """Say whether long random runs show a difference."""
     first, second = subject_of(old), subject_of(new)
     product = Product([first, second], relate(first, second))
-    return any(try_out(product, differs(product), scans=LONG, runs=10, seed=seed).trace is not None
-               for seed in (101, 102))
+    return try_out(product, differs(product), scans=scans, runs=10, seed=101).trace is not None
 
 
 def mutants(count: int, timeout_s: float) -> None:
@@ -68,7 +68,7 @@ def mutants(count: int, timeout_s: float) -> None:
         if proof.answer is Answer.NO:
             word += ' after a change' if proof.change_before is not None else ''
             word += '' if proof.is_shortest else ', not the shortest'
-        elif is_different_after_all(old, new):
+        elif is_different_after_all(old, new, LONG[word]):
             word += ' BUT DIFFERENT IN A LONG RUN'
         found[word] += 1
     apart = sum(number for word, number in found.items() if word.startswith('different'))
