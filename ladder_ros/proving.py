@@ -27,6 +27,7 @@ from ladder_ros.refactor.equivalence.relation import Relation, Source
 from ladder_ros.refactor.equivalence.report import Answer, Finding, Trace
 from ladder_ros.refactor.equivalence.subject import Subject, Turn
 from ladder_ros.runtime.names import find_slot
+from ladder_ros.runtime.planner import LocalPlanner
 from ladder_ros.runtime.scan_cycle import ScanCycle
 from ladder_ros.runtime.state_plan import plan_state
 from ladder_ros.runtime.tasks import make_tasks
@@ -237,7 +238,8 @@ def run_both(old: Executable, new: Executable, trace: Trace) -> Shown | None:
     pairs = _compared(old, new)
     for number, row in enumerate(trace.rows):
         if number == trace.change_before:
-            second, _ = first.successor(new).take_over(copy=True)
+            second, _ = first.successor(
+                new, LocalPlanner().transition(old, new)).take_over(copy=True)
         _run(first, row, number * trace.interval)
         if second is None:
             continue

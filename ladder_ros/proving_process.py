@@ -14,8 +14,8 @@ import sys
 import threading
 
 import ladder_ros
-from ladder_ros.runtime.assurance import ProofReport
 from ladder_ros.runtime.changes import Loaded
+from ladder_ros.runtime.proof_report import ProofReport
 
 _KEPT = 8
 _GRACE_S = 30.0

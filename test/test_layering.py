@@ -29,7 +29,9 @@ FUNCTION_LINES = 60
 BASE = {'problems', 'diagnostics'}
 DATA = BASE | {'model', 'executable'}
 DOORS = BASE | {
-    'session', 'proving', 'comparing', 'model.types', 'executable', 'runtime.clock', 'resources'}
+    'session', 'editing', 'refactoring', 'proving', 'comparing', 'model.types', 'executable',
+    'runtime.clock', 'resources',
+}
 MAY_IMPORT: dict[str, set[str]] = {
     '': set(),
     'problems': set(),
@@ -46,11 +48,15 @@ MAY_IMPORT: dict[str, set[str]] = {
     'runtime': BASE | {'model.types', 'executable'},
     'comparing': DATA | {'source', 'drawing', 'refactor'},
     'proving_process': {'runtime'},
+    # Does for the runtime what the compiler can, in another process.
+    'background': DATA | {'source', 'blocks', 'compiler', 'runtime'},
     'session': DATA | {
-        'proving_process',
-        'source', 'drawing', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'resources',
+        'source', 'drawing', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'background',
+        'resources', 'proving_process',
     },
+    'refactoring': DATA | {'source', 'compiler', 'refactor'},
     'proving': DATA | {'source', 'compiler', 'refactor', 'runtime'},
+    'editing': DATA | {'source', 'drawing', 'edit'},
     # What a recording of topics is for a program is the node's to say; that part needs no ROS.
     'cli': DOORS | {'ros.bag'},
     'ros': DOORS,
@@ -66,8 +72,7 @@ LIBRARIES: dict[str, set[str]] = {
     'lxml': {'source'},
     'yaml': {'ros'},
     'rosbags': {'ros.bag'},
-    'llvmlite': {'compiler.il_to_llvm'},
-    'numba': {'compiler.il_to_llvm'},
+    'llvmlite': {'compiler.llvm_machine'},
     'z3': {'refactor.equivalence'},
     'rclpy': ROS_ROOMS,
     'rosidl_runtime_py': ROS_ROOMS,
@@ -81,10 +86,10 @@ MESSAGE_PACKAGE = re.compile(r'\w+_(msgs|srvs|interfaces)')
 # A scan is a function of its state, inputs and `now`: only the clock module reads a clock.
 CLOCKS = {'time', 'datetime', 'sched'}
 WITHOUT_CLOCK = ('problems', 'diagnostics', 'model', 'source', 'drawing', 'executable', 'blocks',
-                 'compiler', 'edit', 'runtime')
+                 'compiler', 'edit', 'runtime', 'background')
 
 # Modules of the compiler that run it as others do, from outside.
-USERS = {'pipeline', 'dump', 'background', 'worker'}
+USERS = {'pipeline', 'dump'}
 NOUNS = ('symbols', 'wiring', 'aov', 'tree', 'il')
 
 # Stages know no other stage, but for parts of their own work: an imported drawing is put in order

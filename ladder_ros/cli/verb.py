@@ -73,3 +73,15 @@ def add_output(parser: argparse.ArgumentParser) -> None:
     """Add ``-o``."""
     parser.add_argument(
         '-o', '--output', metavar='FILE', help='write to this file instead of standard output')
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """Add ``--json``, which may stand before or behind the verb and its action."""
+    # A default would overwrite what the other place was told.
+    parser.add_argument('--json', action='store_true', default=argparse.SUPPRESS,
+                        help='print one JSON document and nothing else')
+
+
+def examples(lines: Iterable[str]) -> str:
+    """Return the example command lines as help texts show them."""
+    return 'examples:\n' + '\n'.join(f'  ladder {line}' for line in lines)

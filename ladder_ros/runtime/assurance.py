@@ -4,13 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from enum import Enum
 from typing import Protocol
 
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.runtime.changes import Loaded
+from ladder_ros.runtime.proof_report import ProofReport
 
 
 class Requirement(Enum):
@@ -19,31 +18,6 @@ class Requirement(Enum):
     NOTHING = 'nothing'
     REPORT = 'report'
     EQUIVALENT = 'equivalent'
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ProofReport:
-    """What is known so far: ``answer`` is pending, equivalent, different or unknown."""
-
-    answer: str
-    facts: Mapping[str, object] = field(default_factory=dict)
-    """The whole answer as plain JSON data, a trace that shows a difference included."""
-
-    def to_json(self) -> dict[str, object]:
-        """Return it as plain JSON data."""
-        return {**self.facts, 'answer': self.answer}
-
-    @property
-    def objection(self) -> str:
-        """Why the change is not one to an equivalent program; empty if it is."""
-        reason = self.facts.get('reason')
-        texts = {
-            'equivalent': '',
-            'pending': 'the proof that it behaves like the running one goes on: ask again',
-            'different': 'it does not behave like the running one',
-            'unknown': 'it could not be proved that it behaves like the running one',
-        }
-        return texts[self.answer] + (f': {reason}' if reason and texts[self.answer] else '')
 
 
 class Prover(Protocol):

@@ -9,18 +9,17 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import threading
 
 from ladder_ros.diagnostics import LadderError, Location
-from ladder_ros.runtime.assurance import Assurance, ProofReport, Requirement
+from ladder_ros.runtime.assurance import Assurance, Requirement
 from ladder_ros.runtime.changes import Change, Loaded
 from ladder_ros.runtime.controller import Controller
-from ladder_ros.runtime.online_change import keep_everything
 from ladder_ros.runtime.preflight import (
-    compare,
     Comparison,
     Preflight,
     Refusal,
     RefusalCode,
     Verdict,
 )
+from ladder_ros.runtime.proof_report import ProofReport
 from ladder_ros.runtime.quiet import free_slowly, giving_way
 from ladder_ros.runtime.shadow import Shadow, ShadowStatus
 from ladder_ros.runtime.trial import ChangeKind, ProgramChange
@@ -117,7 +116,7 @@ class ChangeDesk:
                 verdict=verdict, path=candidate.path, program=candidate.name,
                 hash=candidate.source_hash, running=_about(before), refusals=refusals,
                 diagnostics=candidate.diagnostics, proof=proof,
-                comparison=Comparison() if before is None else compare(
+                comparison=Comparison() if before is None else self._controller.planner.compare(
                     before.executable, candidate.executable, self._controller.forces,
                     self._controller.breathe))
 
@@ -190,7 +189,8 @@ class ChangeDesk:
         self._known[id(again.executable)] = again
         return self._note(Change(
             kind=ChangeKind.UNCHANGED, loaded=again, time=self._stamp(), before=_names(before),
-            report=keep_everything(before.executable)))
+            report=self._controller.planner.transition(
+                before.executable, before.executable, self._controller.breathe).report))
 
     def _expect(self, loaded: Loaded) -> None:
         self._known[id(loaded.executable)] = loaded
@@ -225,8 +225,7 @@ class ChangeDesk:
         pile: list[Sequence[object]] = []
         for key in [key for key in self._known if key not in needed]:
             executable = self._known.pop(key).executable
-            pile += [executable.slots, executable.components, executable.rungs,
-                     tuple(executable.by_path)]
+            pile += executable.pieces()
             del executable
         with giving_way(self._controller.interval):
             free_slowly(pile, self._controller.breathe)

@@ -25,7 +25,7 @@ class Player(Protocol):
     """Runs a program with values, scan by scan."""
 
     @property
-    def state(self) -> list[Value]:
+    def state(self) -> Sequence[Value]:
         """The values of all slots."""
 
     def write(self, index: int, value: Value) -> None:
