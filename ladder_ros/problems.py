@@ -264,6 +264,9 @@ _PROVING = (
             'install it: pip install z3-solver, or on Ubuntu apt install python3-z3'),
     _error('L0671', 'nothing to prove, or too much at once',
            'give a second program, or else properties with --never and --always'),
+    _error('L0673', 'two programs are compared, {count} were given', 'write: ladder diff OLD NEW'),
+    _error('L0672', 'the change is not made: {reason}',
+           'prove and try the program before, or set change.require to report or nothing'),
 )
 
 PROBLEMS: Mapping[str, Problem] = {
