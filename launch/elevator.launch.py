@@ -25,8 +25,8 @@ def generate_launch_description() -> LaunchDescription:
             'floors', default_value='8', choices=['3', '8'], description='Which elevator it is'),
         DeclareLaunchArgument(
             'params_file',
-            default_value=PathJoinSubstitution(
-                [FindPackageShare('ladder_ros'), 'config', ['elevator_', floors, '_floor.yaml']]),
+            default_value=[PathJoinSubstitution(
+                [FindPackageShare('ladder_ros'), 'config', 'elevator_']), floors, '_floor.yaml'],
             description='YAML file with the parameters of plc_node'),
         DeclareLaunchArgument('seed', default_value='15', description='Of the random passengers'),
         Node(
