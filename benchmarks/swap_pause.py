@@ -283,7 +283,7 @@ def soak(folder: Path, swaps: int, rungs: int, interval: int) -> dict[str, objec
             slot = session.executable.slot('go')
             assert slot is not None
             while not writing.wait(0.0005):
-                session.write_slot(slot.index, True, of=session.executable)
+                session.write_slots(((slot.index, True, False),), of=session.executable)
 
         threading.Thread(target=load, daemon=True).start()
         gaps.clear()

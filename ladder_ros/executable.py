@@ -3,24 +3,24 @@
 """The one contract between compiler and runtime.
 
 An :class:`Executable` is a compiled program: the layout of its state (slots), its entry points,
-and the map from slots back to components.  It holds no state itself: the state is a list with one
-Python value a slot, made by :meth:`Executable.initial_state` and given to each scan.
+and the map from slots back to components.  It holds no state itself: the state is a sequence with
+one Python value a slot, made by :meth:`Executable.initial_state` and given to each scan.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, MutableSequence, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Generic, overload, TypeVar
 
 from ladder_ros.diagnostics import Location
-from ladder_ros.model.types import DataType, Value
+from ladder_ros.model.types import DataType, normal_address, Value
 
 _T = TypeVar('_T')
 
-State = list[Value]
-"""One value a slot, in slot order."""
+State = MutableSequence[Value]
+"""One value a slot, in slot order: a list, or typed memory that native code shares."""
 
 ARITHMETIC_ERRORS = '%arithmetic_errors'
 """Path of the slot (LINT, always slot 0) that counts arithmetic errors (division by zero)."""
@@ -130,7 +130,7 @@ class ComponentEntry:
     slots: tuple[int, ...] = ()
 
 
-Scan = Callable[[State, int, 'list[bool] | None'], None]
+Scan = Callable[[State, int, 'list[bool] | None'], object]
 """One pass of an entry point: (state, now in ns, power) changes the state in place.
 
 ``power`` is None, or for an observed variant a list of ``len(executable.components)`` booleans
@@ -241,6 +241,8 @@ class Executable:
     build: Callable[[Variant], Mapping[str, Scan]]
     by_path: Mapping[str, Slot] = field(default_factory=dict)
     """Slots by casefolded path."""
+    make_state: Callable[[Sequence[Value]], State] = list
+    """Makes a state of values, one a slot, in the form that its scan functions work on."""
     routines: tuple[RoutineEntry, ...] = ()
     tasks: tuple[TaskEntry, ...] = ()
     rungs: Sequence[RungEntry] = ()
@@ -272,7 +274,7 @@ class Executable:
 
     def initial_state(self) -> State:
         """Return a fresh state."""
-        return list(self.outline.initial)
+        return self.make_state(self.outline.initial)
 
     def slot(self, path: str) -> Slot | None:
         """Return the slot of a variable by dotted path or located address, or None.
@@ -281,8 +283,9 @@ class Executable:
         """
         slot = self.by_path.get(path.casefold())
         if slot is None and path.startswith('%'):
+            address = normal_address(path)
             located = (self.slots[index] for index in self.outline.located)
-            return next((s for s in located if s.address.upper() == path.upper()), None)
+            return next((s for s in located if normal_address(s.address) == address), None)
         return slot
 
     def io(self) -> tuple[Slot, ...]:

@@ -28,7 +28,10 @@ FUNCTION_LINES = 60
 # What a room may import of the package, as module prefixes; its own modules it may always import.
 BASE = {'problems', 'diagnostics'}
 DATA = BASE | {'model', 'executable'}
-DOORS = BASE | {'session', 'model.types', 'executable', 'runtime.clock', 'resources'}
+DOORS = BASE | {
+    'session', 'editing', 'refactoring', 'proving', 'model.types', 'executable', 'runtime.clock',
+    'resources',
+}
 MAY_IMPORT: dict[str, set[str]] = {
     '': set(),
     'problems': set(),
@@ -49,6 +52,9 @@ MAY_IMPORT: dict[str, set[str]] = {
         'source', 'drawing', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'background',
         'resources',
     },
+    'refactoring': DATA | {'source', 'compiler', 'refactor'},
+    'proving': DATA | {'source', 'compiler', 'refactor', 'runtime'},
+    'editing': DATA | {'source', 'drawing', 'edit'},
     # What a recording of topics is for a program is the node's to say; that part needs no ROS.
     'cli': DOORS | {'ros.bag'},
     'ros': DOORS,
@@ -64,8 +70,7 @@ LIBRARIES: dict[str, set[str]] = {
     'lxml': {'source'},
     'yaml': {'ros'},
     'rosbags': {'ros.bag'},
-    'llvmlite': {'compiler.il_to_llvm'},
-    'numba': {'compiler.il_to_llvm'},
+    'llvmlite': {'compiler.llvm_machine'},
     'z3': {'refactor.equivalence'},
     'rclpy': ROS_ROOMS,
     'rosidl_runtime_py': ROS_ROOMS,

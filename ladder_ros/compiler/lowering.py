@@ -32,8 +32,6 @@ class Lowering:
     composites: Mapping[str, Composite] = field(default_factory=dict)
     expressions: Mapping[str, Expression] = field(default_factory=dict)
     enumerations: Mapping[str, int] = field(default_factory=dict)
-    read_fields: frozenset[str] = frozenset()
-    """Casefolded names of parts that are read somewhere (``t1.IN``): blocks store such inputs."""
     found: list[Diagnostic] = field(default_factory=list)
     temporaries: int = FIRST_TEMPORARY
     calls: int = 0

@@ -26,6 +26,7 @@ from ladder_ros.runtime.listeners import (
 )
 from ladder_ros.runtime.online_change import SwapReport
 from ladder_ros.runtime.planner import LocalPlanner, Planner
+from ladder_ros.runtime.process_image import moved_writes, Write
 from ladder_ros.runtime.quiet import giving_way
 from ladder_ros.runtime.recorder import TraceRecorder
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
@@ -324,22 +325,20 @@ class Controller:
         self, index: int, value: Value, *, catch_pulse: bool = False,
         of: Executable | None = None,
     ) -> None:
-        """Give a variable a value before the next scan; never waits for a scan.
+        """Give a variable a value before the next scan; see :meth:`write_all`."""
+        self.write_all(((index, value, catch_pulse),), of=of)
+
+    def write_all(self, values: Iterable[Write], *, of: Executable | None = None) -> None:
+        """Give variables values before the next scan, all in the same; never waits for a scan.
 
         With ``catch_pulse`` a value that lasted for less than a scan is still seen by one.  ``of``
-        is the executable that the slot's index was taken from: should another one have taken its
-        place, the variable of that path is written, if there still is one of its type.  Raises
-        TypeError if the value is not of the slot's type.
+        is the executable that the indices were taken from: should another one have taken its
+        place, the variables of these paths are written, if there still are some of their types.
+        Raises TypeError if a value is not of its slot's type.
         """
         with self._programs.lock:
             cycle = self._loaded('writing')
-            if of is not None and of is not cycle.executable:
-                old = of.slots[index]
-                new = cycle.executable.slot(old.path)
-                if new is None or new.type is not old.type:
-                    return
-                index = new.index
-            cycle.write(index, value, catch_pulse=catch_pulse)
+            cycle.image.write(moved_writes(values, of or cycle.executable, cycle.executable))
 
     def read(self, index: int) -> Value:
         """Return a variable's value after the last scan."""

@@ -141,7 +141,7 @@ class ScanCycle:
 
         Raises TypeError if the value is not of the slot's type.
         """
-        self.image.write(index, value, catch_pulse)
+        self.image.write(((index, value, catch_pulse),))
 
     @property
     def forces(self) -> dict[int, Value]:

@@ -74,7 +74,7 @@ class StatePlan:
         """Return the new program's state; ``initial`` is its initial one.  Takes little time."""
         if self.is_equal:
             return list(old)
-        state = self.gather(old + initial)
+        state = self.gather([*old, *initial])
         for source, target, convert in self.conversions:
             state[target] = convert(old[source])
         for target, sensed, value in self.memories:

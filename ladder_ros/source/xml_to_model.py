@@ -512,9 +512,24 @@ class _Reader:
                 return Instance(
                     id=identifier, placement=placement,
                     composite=self.operand(element, 'composite'),
-                    instance=self.name(element, 'instance'), arguments=tuple(inner['argument']),
+                    instance=self.name(element, 'instance'),
+                    arguments=(*self.bound(element), *inner['argument']),
                     was=self.was(element), name=name, comment=comment,
                     specification=specification, location=place)
+
+    def bound(self, element: Element) -> tuple[Argument, ...]:
+        """Return the arguments that an instance gives in short."""
+        value = element.attributes.get('bind')
+        if value is None:
+            return ()
+        if not grammar.BIND.fullmatch(value):
+            self.bad_value(
+                element, 'bind', 'write parameter=operand with blanks between them: '
+                                 'Floor=served_1 Delay=T#2s; for text in quotes write <argument>s')
+            return ()
+        place = self.here(element)
+        return tuple(Argument(pin=pin, operand=operand, location=place)
+                     for pin, operand in grammar.BINDING.findall(value))
 
     def argument(self, element: Element) -> Argument:
         rule = RULES[element.tag]
