@@ -74,8 +74,8 @@ RULES: tuple[Rule, ...] = (
              'is proved to behave like the running program; equivalent: else it is refused. '
              'Proofs need the Python package z3-solver.')),
     Rule(name='monitor.pou', kind=str, default='', read_only=False, description=(
-        'What ~/monitor shows: a body by its name, or an instance of a composite by its place '
-        '(main/3/i1); empty: the first body.')),
+        'What ~/monitor shows: a body by its name, an instance of an enabled composite by its '
+        'path (door.opening), any instance by its place (main/3/i1); empty: the first body.')),
     Rule(name='monitor.rate', kind=float, default=5.0, low=0.1, high=50.0, read_only=False,
          description='Messages a second on ~/monitor while someone listens.'),
     Rule(name='retain_file', kind=str, default=AUTO, description=(
