@@ -221,11 +221,13 @@ def build_trees(
 
     Inline composites are part of their users' rungs; ``inline`` asks for theirs too, to be shown.
     """
-    return {
-        pou_key(pou): [reduce_to_tree(aov, access_key(program, pou)) for aov in
-                       stages.graphs[pou_key(pou)]]
-        for pou in _pous(program)
-        if pou_key(pou) in stages.graphs and (inline or not _is_inline(pou))}
+    trees: dict[str, Sequence[Forest]] = {}
+    for pou in _pous(program):
+        key = pou_key(pou)
+        if key in stages.graphs and (inline or not _is_inline(pou)):
+            storage = access_key(program, pou)
+            trees[key] = [reduce_to_tree(aov, storage) for aov in stages.graphs[key]]
+    return trees
 
 
 def build_sequences(stages: Stages) -> dict[str, Sequence[Forest]]:
