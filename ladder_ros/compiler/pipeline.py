@@ -41,6 +41,7 @@ from ladder_ros.compiler.wiring import Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError, problem
 from ladder_ros.executable import Entry, Executable, Scan, Variant
+from ladder_ros.garbage import collected_later
 from ladder_ros.model.program import Body, CallKind, Pou, Program, RunKind
 
 _T = TypeVar('_T')
@@ -70,6 +71,7 @@ class Compilation:
     code: InstructionList | None = None
 
 
+@collected_later()
 def compile_program(
     program: Program, *, backend: str = 'python', source_hash: str = '', stubs: bool = False,
 ) -> Compilation:

@@ -133,8 +133,14 @@ def post_order(tree: Tree) -> Iterator[Tree]:
 
 def leaves(tree: Tree) -> Iterator[Leaf | Pin | Load | Save]:
     """Yield what is evaluated, in order."""
-    for node in post_order(tree):
-        if isinstance(node, (Leaf, Pin, Load, Save)):
+    pending = [tree]
+    while pending:
+        node = pending.pop()
+        if isinstance(node, (And, Or)):
+            pending += (node.right, node.left)
+        elif isinstance(node, Fork):
+            pending.extend(reversed(node.branches))
+        elif not isinstance(node, Wire):
             yield node
 
 

@@ -53,6 +53,7 @@ _Attributes = list[tuple[str, str]]
 _Lines = Iterator[str]
 _Content = Union[_Lines, 'list[str]']
 
+_PLAIN = re.compile('[A-Za-z0-9_.#%]*')
 _NOT_XML = re.compile('[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
 _ESCAPES = {
     '&': '&amp;', '<': '&lt;', '>': '&gt;', '"': '&quot;', '\t': '&#9;', '\n': '&#10;',
@@ -169,7 +170,7 @@ def rung_text(rung: Rung) -> str:
     """Return a rung as it stands in a file, but for where its state was in earlier programs."""
     components = tuple(
         replace(component, was=())
-        if isinstance(component, (Contact, Coil, Block, Instance)) else component
+        if isinstance(component, (Contact, Coil, Block, Instance)) and component.was else component
         for component in rung.components)
     return '\n'.join(_rung(replace(rung, components=components)))
 
@@ -276,6 +277,8 @@ def _element(tag: str, attributes: _Attributes, content: _Content) -> _Lines:
 
 
 def _escape(text: str, special: re.Pattern[str]) -> str:
+    if _PLAIN.fullmatch(text):
+        return text
     if bad := _NOT_XML.search(text):
         raise InternalError(
             'model_to_xml', f'XML has no character U+{ord(bad.group()):04X}', Location())
