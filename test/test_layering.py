@@ -52,7 +52,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         'source', 'drawing', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'background',
         'resources',
     },
-    'refactoring': DATA | {'source', 'compiler', 'refactor'},
+    'refactoring': DATA | {'source', 'drawing', 'compiler', 'refactor'},
     'proving': DATA | {'source', 'compiler', 'refactor', 'runtime'},
     'editing': DATA | {'source', 'drawing', 'edit'},
     # What a recording of topics is for a program is the node's to say; that part needs no ROS.

@@ -28,6 +28,7 @@ from ladder_ros.cli import (
     dump,
     edit,
     export,
+    library,
     metrics,
     prove,
     record,
@@ -54,7 +55,8 @@ from ladder_ros.diagnostics import InternalError, LadderError, render
 
 VERBS: Mapping[str, Verb] = {
     module.VERB.name: module.VERB for module in (
-        check, show, dump, simulate, export, edit, metrics, refactor, prove, record, replay)
+        check, show, dump, simulate, export, edit, metrics, refactor, library, prove, record,
+        replay)
 }
 """The verbs by name, in the order in which they are useful."""
 
