@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 import threading
 
 from ladder_ros.executable import Executable, SlotClass
-from ladder_ros.model.types import normalise, Value
+from ladder_ros.model.types import DataType, normalise, Value
 from ladder_ros.runtime.state_plan import StatePlan
 
 Write = tuple[int, Value, bool]
@@ -84,6 +84,7 @@ class ProcessImage:
         self._slots = executable.slots
         self._make_state = executable.make_state
         self.state = executable.initial_state()
+        self._types: dict[int, DataType] = {}
         self._pending = PendingInputs()
         self._forces: dict[int, Value] = {}
         self._behind: dict[int, Value] = {}  # values that wait behind a force
@@ -95,10 +96,15 @@ class ProcessImage:
         A forced variable takes it when the force is released.  Raises TypeError if a value is not
         of its slot's type.
         """
-        slots = self._slots
+        types = self._types
         self._pending.write([
-            (index, normalise(value, slots[index].type), catch_pulse)
+            (index, normalise(value, types.get(index) or self._type(index)), catch_pulse)
             for index, value, catch_pulse in values])
+
+    def _type(self, index: int) -> DataType:
+        """Return the type of a slot, and keep it: slots may be read from afar."""
+        self._types[index] = self._slots[index].type
+        return self._types[index]
 
     def freeze(self) -> Mapping[int, Value]:
         """Bring what is pending into the state, the inputs of one scan; return it by slot."""

@@ -75,9 +75,12 @@ def write_program(program: Program) -> str:
 
 def _program(program: Program) -> _Lines:
     yield from _specification(program.specification)
-    if program.composites:
+    for use in program.uses:
+        yield from _element('use', [('library', use.library), ('sha256', use.sha256)], [])
+    own = [composite for composite in program.composites if not composite.library]
+    if own:
         yield from _element('composites', [], (
-            line for composite in program.composites for line in _composite(composite)))
+            line for composite in own for line in _composite(composite)))
     if program.variables:
         yield from _element('variables', [], (
             line for variable in program.variables for line in _variable(variable)))

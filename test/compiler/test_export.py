@@ -15,6 +15,7 @@ from hypothesis import given, HealthCheck, settings
 from hypothesis import strategies as st
 import pytest
 from support import random_rungs
+from support.plcopen import element, ladder, read
 from support.random_rungs import Case, random_case, Wishes
 
 from compiler.agreement import assert_same, Machine
@@ -172,3 +173,11 @@ def test_plcopen_when_a_block_runs_once_then_l0511() -> None:
     with pytest.raises(LadderError) as caught:
         write_plcopen(program)
     assert [d.code for d in caught.value.diagnostics] == ['L0511']
+
+
+@pytest.mark.parametrize('form', FORMS)
+def test_imported_when_a_variable_is_not_declared_then_it_is_exported_all_the_same(
+    form: str,
+) -> None:
+    drawn = read(ladder(element('contact', 1, [0], 'a') + element('coil', 2, [1], 'q', x=9)))
+    assert_same_runs(drawn, there_and_back(drawn, form))

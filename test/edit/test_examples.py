@@ -152,7 +152,15 @@ def test_power_pin_when_nothing_leads_to_it_any_more_then_it_is_a_data_pin_again
     (AddSeries(pou='main', rung='1', target='c1', part=contact('')), 'L0625'),
     (AddSeries(pou='main', rung='1', target='c1', part=contact(variant='set')), 'L0625'),
     (AddSeries(pou='main', rung='1', target='c1', part=contact(id='C2')), 'L0625'),
+    (AddSeries(pou='main', rung='1', target='c1', part=contact(id='a b')), 'L0625'),
+    (AddSeries(pou='main', rung='1', target='c1', part=contact(comment='\0')), 'L0625'),
     (AddSeries(pou='main', rung='1', target='c1', part=contact('c')), 'L0203'),
+    (AddSeries(pou='main', rung='1', target='c1', part=Part(
+        kind=PartKind.BLOCK, type='wheel')), 'L0208'),
+    (AddSeries(pou='main', rung='1', target='c1', part=Part(
+        kind=PartKind.BLOCK, type='TON', instance='a b', pins=(('PT', 'T#1s'),))), 'L0202'),
+    (AddSeries(pou='main', rung='1', target='c1', part=Part(
+        kind=PartKind.INSTANCE, type='wheel', instance='w')), 'L0206'),
     (AddSeries(pou='main', rung='1', target='c1', part=contact('count')), 'L0204'),
     (AddParallel(pou='main', rung='1', target='c3', until='c1', part=contact()), 'L0625'),
     (AddParallel(pou='main', rung='1', target='k1', part=contact()), 'L0623'),
