@@ -236,7 +236,7 @@ _ROS = (
 )
 
 _EDITING = (
-    _error('L0620', 'rung {rung} has no drawing with its order of evaluation',
+    _error('L0620', 'no drawing of rung {rung} was found that has its order of evaluation',
            'break the loop of data connections in it, or split the rung'),
     _error('L0621', 'there is no {what} {name}', 'known here: {known}{hint}'),
     _error('L0622', 'rung {rung} would become {width} columns wide',

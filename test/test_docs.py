@@ -76,7 +76,7 @@ def test_page_when_its_commands_are_run_then_it_shows_what_they_print(
     compare(path, rewritten(text(path), tmp_path), request)
 
 
-@pytest.mark.parametrize('path', SHOWING, ids=name_of)
+@pytest.mark.parametrize('path', [README, PIPELINE], ids=name_of)
 def test_page_when_its_commands_are_run_then_none_reports_a_problem(path: Path) -> None:
     shown = ''.join(block.text for block in fences(text(path)) if block.language == 'console')
     assert '$ ladder ' in shown

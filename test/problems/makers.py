@@ -251,7 +251,7 @@ def busy_compiler(folder: Path) -> str:
 
 
 def impossible_order(folder: Path) -> str:
-    """Draw a graph whose order of evaluation no drawing has."""
+    """Draw a graph whose order of evaluation is another than its drawing's."""
     program = parse_program((folder / 'program.xml').read_bytes(), 'program.xml')
     aov = analyse(program).graphs['body main'][0]
     backwards = replace(aov, symbols=aov.symbols[::-1])

@@ -102,3 +102,12 @@ def test_action_when_the_program_was_drawn_elsewhere_then_it_is_refused(run: Run
     Path('plc.xml').write_text(session.export('flat.xml', 'plcopen'))
     status, document = run('refactor', 'plc.xml', 'auto')
     assert (status, document['diagnostics'][0]['code']) == (1, 'L0511')
+
+
+def test_auto_when_the_elevator_is_refactored_then_it_is_proved_to_be_equivalent(
+    run: Run,
+) -> None:
+    pytest.importorskip('z3')
+    run('refactor', 'flat.xml', 'auto', '-o', 'smaller.xml')
+    status, document = run('prove', 'flat.xml', 'smaller.xml')
+    assert (status, document['ok']) == (0, True)
