@@ -82,7 +82,7 @@ class _Edge:
     @property
     def rank(self) -> float:
         """Place in the order of evaluation: that of the first component."""
-        return min(rank for rank, _ in self.parts)
+        return self.parts[0][0] if len(self.parts) == 1 else min([r for r, _ in self.parts])
 
     @property
     def urgency(self) -> float:
@@ -91,7 +91,8 @@ class _Edge:
 
     def tree(self) -> Tree:
         """Return the branches as one tree, the first evaluated first."""
-        self.parts.sort(key=lambda part: part[0])
+        if len(self.parts) > 1:
+            self.parts.sort(key=lambda part: part[0])
         tree = self.parts[0][1]
         for _, other in self.parts[1:]:
             tree = Or(left=tree, right=other)

@@ -84,10 +84,11 @@ class _Builder:
             lines_out[line.source].append(line.target)
         virtual: dict[int, VirtualVertex] = {}
         for net in wiring.nets:
-            total_in = len(givers[net.index]) + len(lines_in[net.index])
-            total_out = len(takers[net.index]) + len(lines_out[net.index])
+            index = net.index
+            total_in = len(givers[index]) + len(lines_in[index])
+            total_out = len(takers[index]) + len(lines_out[index])
             if net.vertical or net.rail is not Rail.NONE or total_in > 1 or total_out > 1:
-                virtual[net.index] = _virtual(
+                virtual[index] = _virtual(
                     len(ids) + len(virtual), net.x, net.first, net.last, net.rail)
         arcs: list[Arc] = []
         for net in wiring.nets:
@@ -202,7 +203,7 @@ class _Builder:
             after[line.source].append(line.target)
         for name, part in parts.items():
             after[name] += [end.net for end in part.right]
-            for net_index in {end.net for end in part.left}:
+            for net_index in dict.fromkeys([end.net for end in part.left]):
                 after[net_index].append(name)
         return after
 
