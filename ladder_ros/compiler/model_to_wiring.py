@@ -37,6 +37,12 @@ Point = tuple[int, int]
 _ALIKE = 4096
 """So many values that all rungs have alike are made once."""
 
+_DRAWINGS = 1024
+"""So many drawings are known again, in whichever rung: most rungs are drawn like others."""
+
+_SMALL = 64
+"""Most components of a drawing that is known again; large ones are one of a kind."""
+
 
 def analyse_connections(
     rung: Rung, *, ends_in_output: bool = True,
@@ -46,8 +52,81 @@ def analyse_connections(
     ``ends_in_output`` says that power which reaches the right rail goes nowhere (a program body or
     an enabled composite), so that a branch has to end in an output.
     """
+    drawing = _drawing(rung, ends_in_output)
+    connections = _connections(drawing) if drawing is not None else None
+    if connections is not None:
+        return connections.of(rung), ()
     analyser = _Analyser(rung=rung, ends_in_output=ends_in_output)
     return analyser.run(), tuple(analyser.found)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Drawing:
+    """A rung, which is like any other that is drawn alike, whatever its names are."""
+
+    key: tuple[object, ...]
+    rung: Rung = field(compare=False)
+    ends_in_output: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Connections:
+    """The wiring of rungs that are drawn alike: components by their places in the rung."""
+
+    nets: tuple[Net, ...]
+    parts: tuple[tuple[int, tuple[End, ...], tuple[End, ...]], ...]
+    lines: tuple[tuple[int, int, int], ...]
+    series: tuple[tuple[int, int], ...]
+    parallel: tuple[tuple[int, int], ...]
+
+    def of(self, rung: Rung) -> Wiring:
+        """Return the wiring of one of them."""
+        components = rung.components
+        ids = [component.id for component in components]
+        return Wiring(
+            rung=rung, nets=self.nets,
+            parts=tuple([Part(component=components[place], left=left, right=right)
+                         for place, left, right in self.parts]),
+            lines=tuple([Line(component=components[place], source=source, target=target)
+                         for place, source, target in self.lines]),
+            series=tuple([(ids[one], ids[other]) for one, other in self.series]),
+            parallel=tuple([(ids[one], ids[other]) for one, other in self.parallel]))
+
+
+def _drawing(rung: Rung, ends_in_output: bool) -> _Drawing | None:
+    """Return what the wiring depends on; None for a large rung, or where an id is used twice."""
+    components = rung.components
+    count = len(components)
+    if count > _SMALL or len({component.id for component in components}) < count:
+        return None
+    return _Drawing(rung=rung, ends_in_output=ends_in_output, key=(rung.width, tuple([
+        (type(component), component.placement,
+         _pins(component) if isinstance(component, Block) else None)
+        for component in components])))
+
+
+def _pins(block: Block) -> tuple[object, ...]:
+    return (block.type, *(
+        (argument.pin, argument.row) for argument in block.inputs if argument.row is not None),
+        '', *((argument.pin, argument.row)
+              for argument in block.outputs if argument.row is not None))
+
+
+@lru_cache(_DRAWINGS)
+def _connections(drawing: _Drawing) -> _Connections | None:
+    """Return the connections of a drawing; None if something is wrong with it."""
+    analyser = _Analyser(rung=drawing.rung, ends_in_output=drawing.ends_in_output)
+    wiring = analyser.run()
+    if analyser.found:
+        return None
+    place = {component.id: index for index, component in enumerate(drawing.rung.components)}
+    return _Connections(
+        nets=wiring.nets,
+        parts=tuple((place[part.component.id], part.left, part.right) for part in wiring.parts),
+        lines=tuple((place[line.component.id], line.source, line.target)
+                    for line in wiring.lines),
+        series=tuple((place[one], place[other]) for one, other in wiring.series),
+        parallel=tuple((place[one], place[other]) for one, other in wiring.parallel))
 
 
 @lru_cache(_ALIKE)
@@ -261,12 +340,14 @@ class _Analyser:
         takers |= {line.source for line in wiring.lines}
         for component, is_left, pin, point in self.ends:
             net = number[point]
-            if wiring.nets[net].rail is not Rail.NONE or self._is_outside(component):
+            if wiring.nets[net].rail is not Rail.NONE or net in (givers if is_left else takers):
                 continue
-            if is_left and net not in givers and not isinstance(component, Coil):
+            if self._is_outside(component):
+                continue
+            if is_left and not isinstance(component, Coil):
                 self.report('L0303', component, describe(component), end='left',
                             name=f'{component.id}{"." + pin if pin else ""}')
-            elif not is_left and net not in takers:
+            elif not is_left:
                 self.report('L0303', component, describe(component), end='right',
                             name=f'{component.id}{"." + pin if pin else ""}')
 

@@ -33,6 +33,8 @@ class Side(Enum):
     RIGHT = 'right'
     BOTH = 'both'
 
+    __hash__ = object.__hash__  # Enum's own is Python code
+
     @property
     def left(self) -> bool:
         """Whether the side joins at the left series end."""
