@@ -14,10 +14,10 @@ import os
 
 from ladder_ros.compiler.background import COMPILER
 from ladder_ros.compiler.dump import dump_stage, STAGES, with_drawings
-from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
+from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program, completed
 from ladder_ros.compiler.program_to_plcopen import write_plcopen
 from ladder_ros.compiler.program_to_st import write_st
-from ladder_ros.diagnostics import Diagnostic, LadderError, Location
+from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError, Location
 from ladder_ros.drawing.rung_text import draw_program, Style
 from ladder_ros.executable import Executable
 from ladder_ros.model.program import Pou, Program
@@ -157,8 +157,10 @@ def export(path: str | os.PathLike[str], to: str) -> str:
     if to == 'il':
         return dump_stage(program, 'il')
     if program.dialect != 'native':
-        raise LadderError.of('L0511', program.location, form='xml',
-                             what='a program that was drawn elsewhere')
+        program = completed(program)
+        found = check_program(program)
+        if has_errors(found):
+            raise LadderError(found)
     return write_program(program)
 
 

@@ -15,12 +15,12 @@ from strategies import programs
 
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.component import CoilKind, ContactKind, Side
-from ladder_ros.model.program import Direction, Program, RunKind, VariableClass
+from ladder_ros.model.program import CallKind, Direction, Program, RunKind, VariableClass
 from ladder_ros.model.types import DataType
 from ladder_ros.source import SCHEMA
 from ladder_ros.source.grammar import RULES
 from ladder_ros.source.model_to_xml import write_program
-from ladder_ros.source.xml_to_model import DRAWN_CALLS, parse_program
+from ladder_ros.source.xml_to_model import parse_program
 
 ROOT = Path(__file__).resolve().parents[2]
 CASES = ROOT / 'test' / 'cases' / 'source'
@@ -113,7 +113,7 @@ def test_schema_when_a_program_is_mutated_then_agrees_with_the_reader(text: byte
 
 @pytest.mark.parametrize('name, words', [
     ('DataType', DataType), ('Side', Side), ('ContactKind', ContactKind), ('CoilKind', CoilKind),
-    ('CallKind', DRAWN_CALLS), ('Direction', Direction), ('VariableClass', VariableClass),
+    ('CallKind', CallKind), ('Direction', Direction), ('VariableClass', VariableClass),
     ('RunKind', RunKind),
 ])
 def test_schema_when_it_lists_words_then_they_are_those_of_the_model(
