@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from ladder_ros.model.component import (
     Argument,
     Block,
@@ -47,14 +49,15 @@ class DrawingReader:
         self.form.rung_id = shown(element.attributes.get('id', ''))
         self.form.check(element, rule)
         identifier, place = self.form.identifier(element), self.form.here(element)
+        known = {child.attributes.get('id') for child in element.children}
         components: list[Component] = []
         wires: list[Wire] = []
         for child in self.form.children(element, rule):
             self.form.count(child, 'components', grammar.MAX_COMPONENTS)
             if child.tag == 'wire':
                 self.form.check(child, RULES['wire'])
-                wires.append(Wire(
-                    source=self._port(child, 'from'), target=self._port(child, 'to')))
+                wires.append(Wire(source=self._port(child, 'from', known),
+                                  target=self._port(child, 'to', known)))
             else:
                 components.append(self._component(child))
                 self.form.cell = None
@@ -83,13 +86,15 @@ class DrawingReader:
         self._pass_on()
         return found
 
-    def _port(self, element: Element, attribute: str) -> Port:
+    def _port(self, element: Element, attribute: str, known: Collection[str | None]) -> Port:
         text = element.attributes.get(attribute)
         if text is None:
             return Port()
+        component, _, pin = text.partition('.')
         if not grammar.PORT.fullmatch(text):
             self.form.bad_value(element, attribute, 'write an id, or id.PIN for a block')
-        component, _, pin = text.partition('.')
+        elif component not in known:
+            self.form.bad_value(element, attribute, 'no element of the drawing has this id')
         return Port(component=component, pin=pin)
 
     def _coordinate(self, element: Element, attribute: str) -> int:
