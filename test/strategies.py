@@ -208,7 +208,8 @@ def parameters(draw: st.DrawFn) -> Parameter:
 def composites() -> st.SearchStrategy[Composite]:
     """Generate composite definitions."""
     return st.builds(
-        Composite, name=names(), call=st.sampled_from((CallKind.INLINE, CallKind.ENABLED)), parameters=_few(parameters()),
+        Composite, name=names(), call=st.sampled_from((CallKind.INLINE, CallKind.ENABLED)),
+        parameters=_few(parameters()),
         variables=_few(variables(in_composite=True)), rungs=_few(rungs(), 2), category=texts(),
         specification=specifications())
 
