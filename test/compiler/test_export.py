@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from lxml import etree
 import pytest
 from support import random_rungs
+from support.random_blocks import block_case
 from support.random_rungs import Case, random_case, Wishes
 
 from compiler.agreement import assert_same, Machine
@@ -161,6 +162,15 @@ def test_random_program_when_exported_and_read_back_then_runs_the_same(
             assert [d.code for d in error.diagnostics] == ['L0511']
             return
     assert_same_history(case, form)
+
+
+@pytest.mark.parametrize('form', FORMS)
+@given(st.integers(min_value=0, max_value=10**9))
+@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+def test_program_of_any_blocks_when_exported_and_read_back_then_runs_the_same(
+    form: str, seed: int,
+) -> None:
+    assert_same_history(block_case(Random(seed)), form)
 
 
 def test_st_when_names_are_keywords_then_others_are_taken() -> None:

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Random programs of all the catalogue's blocks on variables of all elementary types.
 
-Rungs are short: a contact or none, some blocks, a coil; with them composites of both kinds that hold
-such rungs, and composites in composites.  What a drawing can look like is random_rungs' matter.
+Rungs are short: a contact or none, some blocks, a coil; with them composites of both kinds that
+hold such rungs, and composites in composites.  What drawings can look like: random_rungs.
 """
 
 from __future__ import annotations
