@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import datetime, timezone
 import os
 
-from ladder_ros.compiler.background import COMPILER
+from ladder_ros.background.process import COMPILER
 from ladder_ros.compiler.dump import dump_stage, STAGES, with_drawings
 from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program, completed
 from ladder_ros.compiler.program_to_plcopen import write_plcopen
@@ -38,6 +38,7 @@ from ladder_ros.runtime.listeners import (
 from ladder_ros.runtime.names import find_slot, named_slots, value_for
 from ladder_ros.runtime.online_change import SwapReport
 from ladder_ros.runtime.preflight import Preflight, Verdict
+from ladder_ros.runtime.process_image import Write
 from ladder_ros.runtime.quiet import giving_way, QUIET
 from ladder_ros.runtime.recorder import RecordSummary, TraceRecorder
 from ladder_ros.runtime.replay import read_trace, replay_trace, ReplayResult
@@ -78,6 +79,7 @@ __all__ = [
     'Statistics',
     'SwapReport',
     'Verdict',
+    'Write',
     'check',
     'check_interval',
     'compile_file',
@@ -228,7 +230,7 @@ class Session:
         False compiles in this process, always.  Raises LadderError L0505 if the interval cannot be
         used.
         """
-        self._controller = Controller(clock)
+        self._controller = Controller(clock, COMPILER if background else None)
         self._controller.set_interval(interval_ns)
         self._desk = ChangeDesk(self._controller, _stamp)
         self._controller.add_state_listener(self._on_state)
@@ -519,16 +521,14 @@ class Session:
         self._controller.write(
             slot.index, value_for(slot, value), catch_pulse=catch_pulse, of=executable)
 
-    def write_slot(
-        self, index: int, value: Value, *, catch_pulse: bool = False,
-        of: Executable | None = None,
-    ) -> None:
-        """Give the variable in a slot a value before the next scan; the fast way.
+    def write_slots(self, values: Iterable[Write], *, of: Executable | None = None) -> None:
+        """Give variables values before the next scan, all in the same; the fast way.
 
-        ``of`` is the executable that the slot belongs to, the present one by default; after a
-        change the variable of that name is written.  Raises TypeError for a value of another type.
+        Each: index of the slot, value, catch_pulse.  ``of`` is the executable of the slots, the
+        present one by default; after a change the variables of their names are written.  Raises
+        TypeError for a value of another type.
         """
-        self._controller.write(index, value, catch_pulse=catch_pulse, of=of)
+        self._controller.write_all(values, of=of)
 
     def read(self, name: str) -> Value:
         """Return a variable's value after the last scan."""

@@ -29,7 +29,8 @@ class SymbolVertex:
     that the graph belongs to; ``instance`` is the block's or composite's instance there, and
     ``memory`` the hidden variable of an edge contact or coil.  In imported drawings ``prelude`` is
     what is executed first, ``body`` the code of an EXECUTE box; ``is_block`` tells that the
-    instance is an imported POU, and ``touches`` is what that may read and write outside.
+    instance is an imported POU, and ``touches`` is what that may read and write outside;
+    ``keeps_inputs`` tells that a standard block's inputs are variables of its instance.
     """
 
     id: int
@@ -41,6 +42,7 @@ class SymbolVertex:
     prelude: tuple[Instruction, ...] = ()
     body: tuple[Instruction, ...] = ()
     is_block: bool = False
+    keeps_inputs: bool = False
     touches: tuple[Operand, ...] = ()
 
     def __str__(self) -> str:

@@ -15,9 +15,10 @@ from ladder_ros.compiler.lay_out import lay_out
 from ladder_ros.compiler.link import link_code, list_components
 from ladder_ros.compiler.pipeline import analyse, build_trees, completed, lower, Stages
 from ladder_ros.compiler.symbols import pou_key
-from ladder_ros.compiler.tree_to_drawing import draw_forest
+from ladder_ros.compiler.tree_to_drawing import draw_forest, Texts
 from ladder_ros.diagnostics import has_errors, LadderError
-from ladder_ros.model.program import Body, Pou, Program
+from ladder_ros.model.component import InVariable
+from ladder_ros.model.program import Body, Pou, Program, Rung
 
 
 def dump_stage(program: Program, stage: str, pou: str | None = None) -> str:
@@ -45,13 +46,26 @@ def with_drawings(program: Program) -> Program:
     if has_errors(stages.diagnostics):
         raise LadderError(stages.diagnostics)
     orders = {pou_key(pou): rung.order for pou in pous for rung in pou.rungs}
+    texts = {pou_key(pou): _pin_texts(rung) for pou in pous for rung in pou.rungs}
     drawn = {
-        key: tuple(replace(draw_forest(forest), order=orders[key]) for forest in forests)
+        key: tuple(replace(draw_forest(forest, texts[key]), order=orders[key])
+                   for forest in forests)
         for key, forests in build_trees(program, stages, inline=True).items()}
     return replace(
         program,
         composites=tuple(replace(c, rungs=drawn.get(pou_key(c), ())) for c in program.composites),
         bodies=tuple(replace(b, rungs=drawn.get(pou_key(b), ())) for b in program.bodies))
+
+
+def _pin_texts(rung: Rung) -> Texts:
+    """Return what the variables that are wired to blocks say."""
+    written = {c.id: c.operand for c in rung.components if isinstance(c, InVariable)}
+    texts: dict[str, dict[str, str]] = {}
+    for wire in rung.wires or ():
+        if wire.source.component in written:
+            pins = texts.setdefault(wire.target.component, {})
+            pins[wire.target.pin] = written[wire.source.component]
+    return texts
 
 
 def _chosen(program: Program, pou: str | None) -> list[Pou]:

@@ -88,7 +88,10 @@ class StEmitter:
         """Emit the code of a rung."""
         self.stack, self.memory = [], []
         outer = self.indent
+        needless = _passed_anyway(code)
         for number, instruction in enumerate(code):
+            if number in needless:
+                continue
             following = code[number + 1:number + 2]
             is_last = not following or following[0].op is Op.DRP
             if instruction.op is Op.JMP:
@@ -430,6 +433,26 @@ class StEmitter:
             if target not in kept:
                 self.write(target, fine.text if pin == 'ENO' else out)
         self.stack.append(fine if kind.power_output == 'ENO' else _Value(text=out))
+
+
+def _passed_anyway(code: Sequence[Instruction]) -> set[int]:
+    """Return the places where an input of a block is stored that the call behind passes to it."""
+    found: set[int] = set()
+    for end, instruction in enumerate(code):
+        call = instruction.call
+        if instruction.op is not Op.CAL or call is None:
+            continue
+        passed = {f'{call.instance}.{pin}': operand for pin, operand in call.inputs}
+        main = f'{call.instance}.{CATALOGUE[call.name].power_input}'
+        for place in range(end - 1, -1, -1):
+            before = code[place]
+            if (before.op is Op.MOV and passed.get(str(before.target)) == before.operand) or (
+                before.op is Op.ST and str(before.operand) == main and main not in passed
+            ):
+                found.add(place)
+            else:
+                break
+    return found
 
 
 def comment_line(network: Network) -> str:

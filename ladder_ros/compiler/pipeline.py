@@ -24,8 +24,12 @@ from ladder_ros.compiler.inline_composites import expand_inline
 from ladder_ros.compiler.inventory import list_routines, list_rungs, list_tasks
 from ladder_ros.compiler.lay_out import lay_out
 from ladder_ros.compiler.link import link_code, list_components
+from ladder_ros.compiler.llvm_machine import make_object, why_missing
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
+from ladder_ros.compiler.native import emit_native, layout_of, load_native, on_values
+from ladder_ros.compiler.native_state import StateForm
+from ladder_ros.compiler.object_cache import ObjectCache
 from ladder_ros.compiler.st_to_il import lower_statements
 from ladder_ros.compiler.stub_blocks import stub_unknown_blocks
 from ladder_ros.compiler.symbols import pou_key, Symbols
@@ -56,10 +60,14 @@ class Stages:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Compilation:
-    """The result: what runs, and the warnings and hints about the program."""
+    """The result: what runs, and the warnings and hints about the program.
+
+    ``code`` is what the executable was made from; None if that was done in another process.
+    """
 
     executable: Executable
     diagnostics: tuple[Diagnostic, ...]
+    code: InstructionList | None = None
 
 
 def compile_program(
@@ -73,6 +81,7 @@ def compile_program(
     """
     if backend not in BACKENDS:
         raise LadderError.of('L0504', program.location, name=backend, known=', '.join(BACKENDS))
+    backend, missing = _available(program, backend)
     program = completed(program, stubs=stubs)
     stages = analyse(program)
     if has_errors(stages.diagnostics):
@@ -85,21 +94,32 @@ def compile_program(
     components = list_components(program, code, stages.graphs, by_path)
     component_index = {entry.path: entry.index for entry in components}
     tasks = list_tasks(program, by_path)
+    slots = tuple(dict.fromkeys(by_path.values()))
+    form = StateForm(layout_of(code, slots, index)) if backend == 'native' else None
 
     def build(variant: Variant) -> Mapping[str, Scan]:
         chosen = code
         if variant.observed:
             chosen = link_code(program, {**lower(build_sequences(stages)), **stages.texts})
-        return BACKENDS[backend](chosen, index, component_index, variant)
+        return BACKENDS[backend](chosen, index, component_index, variant, form)
 
     executable = Executable(
-        name=program.name, backend=backend, slots=tuple(dict.fromkeys(by_path.values())),
+        name=program.name, backend=backend, slots=slots, make_state=form or list,
         components=components, source_hash=source_hash, build=build,
         entries=tuple(_entry(program, body) for body in program.bodies), by_path=by_path,
         tasks=tasks, rungs=list_rungs(program),
         routines=list_routines(code, index))
     return Compilation(
-        executable=executable, diagnostics=stages.diagnostics + check_coils(code, components))
+        executable=executable, code=code,
+        diagnostics=missing + stages.diagnostics + check_coils(code, components))
+
+
+def _available(program: Program, backend: str) -> tuple[str, tuple[Diagnostic, ...]]:
+    """Return the backend, or Python's where that is not installed, and what is to be said."""
+    reason = why_missing() if backend == 'native' else ''
+    if not reason:
+        return backend, ()
+    return 'python', (problem('L0530', program.location, reason=reason),)
 
 
 def completed(program: Program, *, stubs: bool = False) -> Program:
@@ -243,23 +263,43 @@ def _in_order(found: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
 
 # -- backends -------------------------------------------------------------------------------
 
+Names = Mapping[str, int]
+"""Indices by name: slots by casefolded path, components by path."""
+
+
 def _python(
-    code: InstructionList, slots: Mapping[str, int], components: Mapping[str, int],
-    variant: Variant,
+    code: InstructionList, slots: Names, components: Names, variant: Variant,
+    form: StateForm | None,
 ) -> Mapping[str, Scan]:
     source = emit_python(code, slots, components, observed=variant.observed, forced=variant.forced)
     return load_python(source, '<ladder program>')
 
 
 def _interpreter(
-    code: InstructionList, slots: Mapping[str, int], components: Mapping[str, int],
-    variant: Variant,
+    code: InstructionList, slots: Names, components: Names, variant: Variant,
+    form: StateForm | None,
 ) -> Mapping[str, Scan]:
     return interpret_il(code, slots, components, variant.forced)
 
 
-Backend = Callable[
-    [InstructionList, Mapping[str, int], Mapping[str, int], Variant], Mapping[str, Scan]]
+def _native(
+    code: InstructionList, slots: Names, components: Names, variant: Variant,
+    form: StateForm | None,
+) -> Mapping[str, Scan]:
+    assert form is not None
+    if variant.observed:
+        python = _python(code, slots, components, variant, form)
+        return {body: on_values(scan) for body, scan in python.items()}
+    program = emit_native(code, slots, form.layout, variant.forced)
+    cached = ObjectCache()
+    objects = [make_object(text, cached) for text in program.modules]
+    rest = _python(program.rest, slots, components, variant, form)
+    return load_native(program, objects, rest)
 
-BACKENDS: Mapping[str, Backend] = {'python': _python, 'interpreter': _interpreter}
+
+Backend = Callable[
+    [InstructionList, Names, Names, Variant, 'StateForm | None'], Mapping[str, Scan]]
+
+BACKENDS: Mapping[str, Backend] = {
+    'python': _python, 'interpreter': _interpreter, 'native': _native}
 """Each backend by its name; the first is the default."""

@@ -24,7 +24,17 @@ from ladder_ros.compiler.symbols import is_address, pou_key
 from ladder_ros.compiler.wires_in_rows import in_rows
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.catalogue import CATALOGUE
-from ladder_ros.model.component import Block, CoilKind, ContactKind, Instance, Placement
+from ladder_ros.model.component import (
+    Block,
+    CoilKind,
+    Component,
+    Contact,
+    ContactKind,
+    Instance,
+    InVariable,
+    OutVariable,
+    Placement,
+)
 from ladder_ros.model.program import (
     Body,
     CallKind,
@@ -39,6 +49,7 @@ from ladder_ros.model.program import (
     Variable,
     VariableClass,
 )
+from ladder_ros.model.st_printing import print_expression
 from ladder_ros.model.types import DataType, parse_literal
 from ladder_ros.source.model_to_plcopen import (
     Declaration,
@@ -61,7 +72,7 @@ def write_plcopen(program: Program) -> str:
     Raises LadderError with the program's errors, or L0511 for what the format cannot say.
     """
     writer = StWriter.of(program, rename=program.dialect == 'native')
-    return write_project(_Exporter(writer=writer, program=program).project())
+    return write_project(_Exporter(writer=writer, program=writer.program).project())
 
 
 @dataclass(slots=True, kw_only=True)
@@ -203,11 +214,15 @@ class _Exporter:
         if len(pou.rungs) != 1 or pou.unsupported:
             raise LadderError.of('L0511', pou.location, form='plcopen',
                                  what=f'the body of {pou.name}')
-        for component in pou.rungs[0].components:
-            if isinstance(component, Block) and component.statements:
-                raise LadderError.of('L0511', component.location, form='plcopen',
-                                     what='an EXECUTE box')
-        return in_rows(pou.rungs[0])
+        rung = in_rows(pou.rungs[0])
+        return replace(rung, components=tuple(map(self.spelled, rung.components)))
+
+    def spelled(self, component: Component) -> Component:
+        """Write an expression with the names that are declared; its file may have had others."""
+        if not isinstance(component, (Contact, InVariable, OutVariable)):
+            return component
+        found = self.program.expressions.get(component.operand)
+        return component if found is None else replace(component, operand=print_expression(found))
 
     def blocks(
         self, declared: Iterable[tuple[str, str]], rungs: Sequence[Rung],

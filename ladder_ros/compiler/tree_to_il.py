@@ -9,6 +9,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ladder_ros.compiler.aov import SymbolVertex
@@ -227,12 +228,9 @@ def _transfer_instructions(leaf: Leaf) -> list[Instruction]:
     if isinstance(component, Instance):
         call = Call(name=component.composite, instance=symbol.instance,
                     inputs=symbol.resolved.inputs)
-        copies = [
-            Instruction(op=Op.MOV, operand=temporary(number), target=Ref(
-                path=f'{symbol.instance}.{pin}', type=DataType.BOOL))
-            for pin, number in leaf.power_pins]
         op = Op.RUN if symbol.is_block else Op.EXE
-        return [*copies, Instruction(op=op, call=call, component=symbol.path)]
+        return [*_copies(symbol, leaf.power_pins),
+                Instruction(op=op, call=call, component=symbol.path)]
     assert isinstance(component, Block)
     if component.type == '%NOT':
         return [Instruction(op=Op.NOT, component=symbol.path)]
@@ -246,8 +244,17 @@ def _transfer_instructions(leaf: Leaf) -> list[Instruction]:
         bound, key=lambda pin: known.index(pin) if pin in known else _further(pin)))
     call = Call(name=kind.name, instance=symbol.instance, type=symbol.resolved.type,
                 inputs=inputs, outputs=symbol.resolved.outputs)
-    return [Instruction(
+    kept = [pin for pin in leaf.power_pins if pin[0] in known] if symbol.keeps_inputs else []
+    return [*_copies(symbol, kept), Instruction(
         op=Op.FUN if kind.is_function else Op.CAL, call=call, component=symbol.path)]
+
+
+def _copies(symbol: SymbolVertex, pins: Sequence[tuple[str, int]]) -> list[Instruction]:
+    """Return what puts the power that reaches further pins into an instance."""
+    return [
+        Instruction(op=Op.MOV, operand=temporary(number), target=Ref(
+            path=f'{symbol.instance}.{pin}', type=DataType.BOOL))
+        for pin, number in pins]
 
 
 def _execute(symbol: SymbolVertex) -> list[Instruction]:

@@ -16,9 +16,10 @@ from typing import Any
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.executable import Executable
 from ladder_ros.model.types import NS_PER_S, Value
-from ladder_ros.ros.bindings import Bindings, Changes
+from ladder_ros.ros.bindings import Bindings, Changes, RosTime
 from ladder_ros.ros.loading import Loader, Prepared
-from ladder_ros.ros.parameters import parameter_place, Settings
+from ladder_ros.ros.parameters import Settings
+from ladder_ros.ros.rules import parameter_place
 from ladder_ros.session import (
     Change,
     ControllerState,
@@ -39,10 +40,11 @@ class Cell:
 
     def __init__(
         self, node: Any, session: Session, settings: Settings, warn: Any, resolve_topic: Any,
+        ros_time: RosTime,
     ) -> None:
         """Make an empty cell; ``warn`` gets sentences, ``resolve_topic`` as in ``resolve_io``."""
         self.session = session
-        self.bindings = Bindings(node, session.write_slot, warn)
+        self.bindings = Bindings(node, session.write_slots, warn, ros_time)
         self.loader = Loader(settings.io, resolve_topic, self.bindings.poll)
         self._backend = settings.backend
         self._candidate: Prepared | None = None

@@ -19,7 +19,7 @@ from std_msgs.msg import String
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import ComponentEntry, Executable
 from ladder_ros.model.types import NS_PER_MS, Value
-from ladder_ros.ros.parameters import did_you_mean, parameter_place
+from ladder_ros.ros.rules import did_you_mean, parameter_place
 from ladder_ros.ros.status import LATCHED
 from ladder_ros.session import find_slot, format_value, ScanResult, Session
 

@@ -11,9 +11,7 @@ import threading
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.runtime.changes import Change, Loaded
 from ladder_ros.runtime.controller import Controller
-from ladder_ros.runtime.online_change import keep_everything
 from ladder_ros.runtime.preflight import (
-    compare,
     Comparison,
     Preflight,
     Refusal,
@@ -109,7 +107,7 @@ class ChangeDesk:
                 verdict=verdict, path=candidate.path, program=candidate.name,
                 hash=candidate.source_hash, running=_about(before), refusals=refusals,
                 diagnostics=candidate.diagnostics,
-                comparison=Comparison() if before is None else compare(
+                comparison=Comparison() if before is None else self._controller.planner.compare(
                     before.executable, candidate.executable, self._controller.forces,
                     self._controller.breathe))
 
@@ -176,7 +174,8 @@ class ChangeDesk:
         self._known[id(again.executable)] = again
         return self._note(Change(
             kind=ChangeKind.UNCHANGED, loaded=again, time=self._stamp(), before=_names(before),
-            report=keep_everything(before.executable)))
+            report=self._controller.planner.transition(
+                before.executable, before.executable, self._controller.breathe).report))
 
     def _expect(self, loaded: Loaded) -> None:
         self._known[id(loaded.executable)] = loaded
@@ -211,8 +210,7 @@ class ChangeDesk:
         pile: list[Sequence[object]] = []
         for key in [key for key in self._known if key not in needed]:
             executable = self._known.pop(key).executable
-            pile += [executable.slots, executable.components, executable.rungs,
-                     tuple(executable.by_path)]
+            pile += executable.pieces()
             del executable
         with giving_way(self._controller.interval):
             free_slowly(pile, self._controller.breathe)

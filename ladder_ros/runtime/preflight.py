@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeVar
 
@@ -57,11 +57,14 @@ class Refusal:
 class Comparison:
     """How a program differs from the one that runs, and what becomes of the latter's state.
 
-    ``rungs`` are (what, POU, rung id), ``tasks`` and ``io`` (name, what), what being a few words.
+    Of the ``state`` what changes comes first; ``counts`` is how much of it is kept, moved and so
+    on.  ``rungs`` are (what, POU, rung id), ``tasks`` and ``io`` (name, what), what being a few
+    words.
     """
 
     is_equal_layout: bool = False
-    state: tuple[StateItem, ...] = ()
+    state: Sequence[StateItem] = ()
+    counts: Mapping[str, int] = field(default_factory=dict)
     rungs: tuple[tuple[str, str, str], ...] = ()
     tasks: tuple[tuple[str, str], ...] = ()
     io: tuple[tuple[str, str], ...] = ()
@@ -93,8 +96,6 @@ class Preflight:
         ``counts`` are of all; of the state, what changes comes first.
         """
         found = self.comparison
-        state = sorted(found.state, key=lambda item: item.fate is Fate.KEPT)
-        counts = Counter(item.fate.value for item in found.state)
         running = self.running
         return {
             'verdict': self.verdict.value, 'path': self.path, 'program': self.program,
@@ -102,8 +103,8 @@ class Preflight:
             'running': {'program': running[0], 'hash': running[1]} if running else None,
             'refusals': [refusal.to_json() for refusal in self.refusals],
             'equal_layout': found.is_equal_layout,
-            'counts': {fate.value: counts[fate.value] for fate in Fate},
-            'state': [item.to_json() for item in state[:limit]],
+            'counts': {fate.value: found.counts.get(fate.value, 0) for fate in Fate},
+            'state': [item.to_json() for item in found.state[:limit]],
             'rungs': {
                 what: [{'pou': pou, 'rung': rung} for other, pou, rung in found.rungs
                        if other == what][:limit]
@@ -123,8 +124,11 @@ def compare(
 ) -> Comparison:
     """Compare a program with the one that runs, and plan its state."""
     plan = plan_state(old, new, breathe)
+    state = list(list_state(in_parts(plan.steps, breathe)))
+    counts = Counter(item.fate.value for item in state)
+    state.sort(key=lambda item: item.fate is Fate.KEPT)
     return Comparison(
-        is_equal_layout=plan.is_equal, state=tuple(list_state(in_parts(plan.steps, breathe))),
+        is_equal_layout=plan.is_equal, state=tuple(state), counts=dict(counts),
         rungs=tuple(_rungs(old, new)), tasks=tuple(_tasks(old, new)), io=tuple(_io(old, new)),
         forces_dropped=tuple(
             old.slots[index].path for index in forces if index not in plan.moves),

@@ -21,7 +21,7 @@ import threading
 from typing import Any, TextIO
 
 from ladder_ros.diagnostics import LadderError, Location
-from ladder_ros.executable import Executable, SlotClass, State
+from ladder_ros.executable import Executable, State
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.scan_cycle import Moment, ScanCycle
 
@@ -81,9 +81,7 @@ class TraceRecorder:
         if self._error or (cycle is self._cycle and cycle.version == self._version):
             return
         if cycle is not self._cycle:
-            self._outputs = tuple(
-                slot.index for slot in cycle.executable.slots
-                if slot.slot_class is SlotClass.OUTPUT)
+            self._outputs = cycle.executable.outline.outputs
             self._reals = tuple(
                 index for index in self._outputs if cycle.executable.slots[index].type.is_real)
         self._cycle, self._version = cycle, cycle.version

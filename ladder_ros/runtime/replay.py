@@ -12,7 +12,7 @@ import os
 from typing import Any
 
 from ladder_ros.diagnostics import LadderError, Location
-from ladder_ros.executable import Executable, SlotClass
+from ladder_ros.executable import Executable
 from ladder_ros.model.types import normalise, Value
 from ladder_ros.runtime.recorder import VERSION
 from ladder_ros.runtime.scan_cycle import Moment, ProgramFault, ScanCycle
@@ -197,7 +197,7 @@ def _scan(
     cycle: ScanCycle, scan: TracedScan, file: str, number: int,
 ) -> ReplayDifference | None:
     executable = cycle.executable
-    outputs = [slot for slot in executable.slots if slot.slot_class is SlotClass.OUTPUT]
+    outputs = [executable.slots[index] for index in executable.outline.outputs]
     try:
         expected = [cycle.state[slot.index] for slot in outputs]
         changed = dict(_slots(executable, scan.outputs))

@@ -28,7 +28,7 @@ from ladder_ros.model.component import (
     Row,
 )
 from ladder_ros.model.program import Order, Port, Rung
-from ladder_ros.model.st_format import format_statements
+from ladder_ros.model.st_printing import print_statements
 from ladder_ros.source.grammar import IDENTIFIER
 from ladder_ros.source.xml_lines import Attributes, element, Lines, optional, write_text
 
@@ -94,7 +94,7 @@ def _component(component: Component, own: str, texts: Mapping[str, str]) -> Line
             content = [*_pins('input', component.inputs), *_pins('output', component.outputs),
                        *_modifiers(component.modifiers)]
             if component.statements:
-                content += write_text('st', format_statements(component.statements))
+                content += write_text('st', print_statements(component.statements))
         case Instance(composite=composite, instance=instance):
             tag = 'instance'
             attributes.append(('composite', composite))

@@ -41,6 +41,9 @@ _PART = r'[A-Za-z0-9_\-]+'
 _PLACE = rf'{_PART}(?:[./]{_PART})*'
 WAS = re.compile(rf'{_PLACE}(?:={_PLACE})?(?: +{_PLACE}(?:={_PLACE})?)*')
 """Where state was in earlier programs: paths, or ``member=path``, with blanks between."""
+BINDING = re.compile(rf'({_PART})=([A-Za-z0-9_.#+:\-]{{1,{MAX_OPERAND}}})')
+BIND = re.compile(rf'{BINDING.pattern}(?: +{BINDING.pattern})*')
+"""Arguments in short: ``parameter=operand``, with blanks between."""
 ADDRESS = re.compile(r'%[IQMiqm][XBWDLxbwdl]?[0-9]+(?:\.[0-9]+)*')
 """Directly represented variable (IEC 61131-3, 6.5.5)."""
 
@@ -160,7 +163,7 @@ RULES: Mapping[str, Rule] = {
     'output': Rule(required=('pin',), optional=('operand', 'row')),
     'instance': Rule(
         required=('id', 'x', 'y', 'composite', 'instance'),
-        optional=('width', 'height', 'was', *_SIDES, *_TEXTS),
+        optional=('width', 'height', 'bind', 'was', *_SIDES, *_TEXTS),
         children=(_SPECIFICATION, _many('argument'))),
     'argument': Rule(required=('parameter',), optional=('operand', 'source')),
     'drawing': Rule(

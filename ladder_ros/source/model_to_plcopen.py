@@ -39,10 +39,14 @@ from ladder_ros.model.derived import (
     Type,
 )
 from ladder_ros.model.program import Order, Rung, Wire
+from ladder_ros.model.st_printing import print_statements
 from ladder_ros.model.types import DataType, format_literal, NS_PER_MS, Value
 
 RAIL_X = 20
 _NOT_XML = re.compile('[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
+_CODE = 'http://www.3s-software.com/plcopenxml/stcode'
+"""Where CODESYS keeps the statements of an EXECUTE box."""
+
 _DATE = '2026-01-01T00:00:00'
 
 
@@ -429,6 +433,10 @@ class _Shapes:
                    f'<connectionPointOut><relPosition x="{block.placement.width}" '
                    f'y="{pin_y(index)}"/></connectionPointOut></variable>')
         yield '              </outputVariables>'
+        if isinstance(block, Block) and block.statements:
+            text = escape('\n'.join(print_statements(block.statements)))
+            yield (f'              <addData><data name="{_CODE}" handleUnknown="implementation">'
+                   f'<STCode xmlns="">{text}</STCode></data></addData>')
         yield '            </block>'
 
 

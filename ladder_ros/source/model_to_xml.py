@@ -57,10 +57,10 @@ from ladder_ros.model.program import (
     Variable,
     VariableClass,
 )
-from ladder_ros.model.st_format import format_expression, format_statements
+from ladder_ros.model.st_printing import print_expression, print_statements
 from ladder_ros.model.types import DataType, format_literal, format_time
 from ladder_ros.source.drawing_to_xml import write_drawing
-from ladder_ros.source.grammar import ADDRESS, VERSION
+from ladder_ros.source.grammar import ADDRESS, BINDING, MAX_ATTRIBUTE, VERSION
 from ladder_ros.source.named_types import with_named_types
 from ladder_ros.source.xml_lines import (
     Attributes,
@@ -90,7 +90,7 @@ def write_program(program: Program) -> str:
 
 
 def _program(program: Program) -> Lines:
-    texts = {text: format_expression(e) for text, e in program.expressions.items()}
+    texts = {text: print_expression(e) for text, e in program.expressions.items()}
     yield from specification(program.specification)
     if program.types:
         yield from element('types', [], (
@@ -196,7 +196,7 @@ def _parts_of(pou: Pou, texts: Mapping[str, str]) -> Lines:
     for rung in pou.rungs:
         yield from _rung(rung) if rung.wires is None else write_drawing(rung, texts)
     if pou.statements:
-        yield from write_text('st', format_statements(pou.statements))
+        yield from write_text('st', print_statements(pou.statements))
 
 
 def _body(body: Body, texts: Mapping[str, str]) -> Lines:
@@ -287,7 +287,9 @@ def _component(component: Component) -> Lines:
         case Instance(composite=composite, instance=instance):
             tag = 'instance'
             attributes += [('composite', composite), ('instance', instance)]
-            arguments = [
+            bind = _bindings(component.arguments)
+            attributes += optional('bind', bind)
+            arguments = [] if bind else [
                 line for item in component.arguments for line in _argument('argument', item)]
         case InVariable() | OutVariable() | Jump() | Label():
             raise InternalError('model_to_xml', 'our format has no wires', component.location)
@@ -312,6 +314,14 @@ def _placement(identifier: str, placement: Placement) -> Attributes:
 def _sides(placement: Placement) -> Attributes:
     return [*optional('up', placement.up.value, Side.NONE.value),
             *optional('down', placement.down.value, Side.NONE.value)]
+
+
+def _bindings(arguments: tuple[Argument, ...]) -> str:
+    """Return the arguments in short, or nothing where one of them cannot be written so."""
+    texts = [f'{argument.pin}={argument.operand}' for argument in arguments]
+    text = ' '.join(texts)
+    is_short = all(BINDING.fullmatch(one) for one in texts) and len(text) <= MAX_ATTRIBUTE
+    return text if is_short else ''
 
 
 def _argument(tag: str, argument: Argument) -> Lines:

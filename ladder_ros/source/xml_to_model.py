@@ -412,8 +412,23 @@ class _Reader:
                     id=identifier, placement=placement,
                     composite=self.form.operand(element, 'composite'),
                     instance=self.form.name(element, 'instance'),
-                    arguments=tuple(inner['argument']), was=self.form.was(element), name=name,
-                    comment=comment, specification=specification, location=place)
+                    arguments=(*self.bound(element), *inner['argument']),
+                    was=self.form.was(element), name=name, comment=comment,
+                    specification=specification, location=place)
+
+    def bound(self, element: Element) -> tuple[Argument, ...]:
+        """Return the arguments that an instance gives in short."""
+        value = element.attributes.get('bind')
+        if value is None:
+            return ()
+        if not grammar.BIND.fullmatch(value):
+            self.form.bad_value(
+                element, 'bind', 'write parameter=operand with blanks between them: '
+                                 'Floor=served_1 Delay=T#2s; for text in quotes write <argument>s')
+            return ()
+        place = self.form.here(element)
+        return tuple(Argument(pin=pin, operand=operand, location=place)
+                     for pin, operand in grammar.BINDING.findall(value))
 
     def argument(self, element: Element) -> Argument:
         rule = RULES[element.tag]

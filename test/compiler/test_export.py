@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from lxml import etree
 import pytest
 from support import random_rungs
+from support.plcopen import element, ladder, read
 from support.random_blocks import block_case
 from support.random_rungs import Case, random_case, Wishes
 
@@ -37,9 +38,7 @@ from ladder_ros.source.xml_to_model import parse_program
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = sorted((ROOT / 'programs').glob('*.xml'))
 IMPORTED = [ROOT / 'test' / 'cases' / 'plcopen' / f'{name}.xml'
-            for name in ('editor', 'jumps', 'several_programs', 'types', 'v4_build')]
-
-IMPORTED_TOO = [*IMPORTED, ROOT / 'test' / 'cases' / 'plcopen' / 'codesys.xml']
+            for name in ('codesys', 'editor', 'jumps', 'several_programs', 'types', 'v4_build')]
 
 Form = tuple[Callable[[Program], str], Callable[[bytes, str], Program]]
 FORMS: dict[str, Form] = {
@@ -139,7 +138,7 @@ def test_imported_when_kept_as_our_own_file_then_plcopen_of_it_runs_the_same(pat
     assert_same_runs(program, there_and_back(there_and_back(program, 'xml'), 'plcopen'))
 
 
-@pytest.mark.parametrize('path', IMPORTED_TOO, ids=lambda path: path.stem)
+@pytest.mark.parametrize('path', IMPORTED, ids=lambda path: path.stem)
 def test_imported_when_written_as_our_own_file_then_text_is_canonical(path: Path) -> None:
     text = write_program(completed(read_any(path)))
     assert write_program(parse_program(text.encode())) == text
@@ -202,3 +201,11 @@ def test_plcopen_when_a_block_runs_once_then_l0511() -> None:
     with pytest.raises(LadderError) as caught:
         write_plcopen(program)
     assert [d.code for d in caught.value.diagnostics] == ['L0511']
+
+
+@pytest.mark.parametrize('form', FORMS)
+def test_imported_when_a_variable_is_not_declared_then_it_is_exported_all_the_same(
+    form: str,
+) -> None:
+    drawn = read(ladder(element('contact', 1, [0], 'a') + element('coil', 2, [1], 'q', x=9)))
+    assert_same_runs(drawn, there_and_back(drawn, form))

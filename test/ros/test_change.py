@@ -131,11 +131,13 @@ def test_test_when_nobody_accepts_then_it_ends_by_itself_and_says_why(plc: Start
     candidate(running, counting('100', extra='lamp'))
     assert running.client.call('test')['success']
     until(lambda: 100 in steps(counted.values), 'the candidate counting')
-    after = running.client.wait_state(hash=before['hash'])
     until(lambda: steps(counted.values)[-3:] == [1, 1, 1], 'the old program counting')
     until(lambda: json.loads(told.last() or '{}').get('kind') == 'untest', 'being told')
     assert 'not accepted' in json.loads(told.last())['reason']
-    assert 'not accepted' in after['last_change']['reason']
+    after = until(
+        lambda: ((state := running.client.state())['last_change'] or {}).get('kind') == 'untest'
+        and state, 'the change in the state')
+    assert 'not accepted' in after['last_change']['reason'] and after['hash'] == before['hash']
     running.process.wait_for_output('the test has ended')
     # Its lamp had a topic of its own, which nobody needs any more.
     until(lambda: not running.client.node.get_publishers_info_by_topic(

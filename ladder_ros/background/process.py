@@ -1,6 +1,6 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Compile in another process, so that scans of this one go on undisturbed.
+"""Compile and compare in another process, so that scans of this one go on undisturbed.
 
 Nothing that takes long is done here in one go: Python lets no other thread run while it reads a
 pickle or frees a large object.  Cyclic garbage would be collected in one go too, so nothing here
@@ -12,99 +12,60 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 import hashlib
-import marshal
 import os
 from pathlib import Path
 import pickle
-import re
 import subprocess
 import sys
 import threading
-from types import FunctionType
-from typing import Any, BinaryIO
+from typing import BinaryIO, TypeVar
 
 import ladder_ros
-from ladder_ros.blocks import FUNCTIONS
+from ladder_ros.background.frames import receive, send
+from ladder_ros.background.packing import (
+    Receive,
+    unpack_code,
+    unpack_comparison,
+    unpack_layout,
+    unpack_transition,
+)
 from ladder_ros.compiler.pipeline import BACKENDS, Compilation, compile_program
-from ladder_ros.compiler.worker import receive, send
 from ladder_ros.diagnostics import LadderError, Location
-from ladder_ros.executable import Executable, Scan, State, Variant
-from ladder_ros.model.types import DataType
+from ladder_ros.executable import Executable, Scan, Variant
+from ladder_ros.model.types import Value
+from ladder_ros.runtime.planner import LocalPlanner, Transition
+from ladder_ros.runtime.preflight import Comparison
+from ladder_ros.runtime.quiet import Breathe, breathless
 from ladder_ros.source.read_any import file_hash, parse_any
 
 DEFAULT_TIMEOUT = 60.0
 """Seconds that a program may take to be compiled."""
+_LOCAL = LocalPlanner()
 
-Breathe = Callable[[], None]
-"""Called between two parts of the work that is done here."""
-
-_FUNCTION = re.compile(r'call_(\w+)_([A-Z]+)')
-
-
-def _breathless() -> None:
-    """Do not wait."""
+_T = TypeVar('_T')
+Source = tuple[bytes, str, str, str]
+"""A program file's bytes, its name, the backend, the SHA-256."""
 
 
 class _Gone(Exception):
     """The process has ended."""
 
 
-class Code(Mapping[str, Scan]):
-    """The scan functions of one variant of a program.
-
-    Generated functions and their names refer to each other; this, to which nothing of them refers,
-    takes that apart when the last one who has it or one of its functions lets go.
-    """
-
-    def __init__(self, names: dict[str, object], entries: Mapping[str, str]) -> None:
-        """Keep the generated functions (``names``), and which of them is which body's."""
-        self._names = names
-        self._entries = entries
-
-    def __getitem__(self, body: str) -> Scan:
-        function: Scan = self._names[self._entries[body]]  # type: ignore[assignment]
-        return _Entry(self, function)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._entries)
-
-    def __len__(self) -> int:
-        return len(self._entries)
-
-    def __del__(self) -> None:
-        while self._names:  # one by one, so that others have their turn
-            self._names.popitem()
-
-
-class _Entry:
-    """A body's scan function, and what keeps the functions alive that it calls."""
-
-    __slots__ = ('_code', '_function')
-
-    def __init__(self, code: Code, function: Scan) -> None:
-        self._code = code
-        self._function = function
-
-    def __call__(self, state: State, now: int, power: list[bool] | None) -> None:
-        self._function(state, now, power)
-
-
 class _Build:
     """Builds the variants of a program, each in the process that compiled it."""
 
     def __init__(
-        self, process: CompilerProcess, key: str, source: tuple[bytes, str, str, str],
-        code: Mapping[str, Scan],
+        self, process: CompilerProcess, key: str, source: Source, code: Mapping[str, Scan],
     ) -> None:
-        self._process = process
-        self._key = key
-        self._source = source
+        self.process = process
+        self.key = key
+        self.source = source
         self._code = code
 
     def __call__(self, variant: Variant) -> Mapping[str, Scan]:
         if variant == Variant():
             return self._code
-        return self._process.build(self._key, self._source, variant)
+        return self.process.build(self, variant)
 
 
 class CompilerProcess:
@@ -127,7 +88,7 @@ class CompilerProcess:
 
     def compile(
         self, data: bytes, file: str, *, backend: str, timeout: float = DEFAULT_TIMEOUT,
-        breathe: Breathe = _breathless,
+        breathe: Breathe = breathless,
     ) -> Compilation:
         """Compile a program file's bytes; as ``compile_program`` otherwise.
 
@@ -141,51 +102,95 @@ class CompilerProcess:
         if backend not in BACKENDS:
             return _compile_here(source)
         try:
-            with self._turn, self._bounded(timeout, file) as process:
-                found = self._compile(process, key.hexdigest(), source, breathe)
+            with self._turn, self._bounded(timeout, file) as listen:
+                found = self._compile(listen, key.hexdigest(), source, breathe)
         except (_Gone, OSError):
             found = None
         return found or _compile_here(source)
 
     def build(
-        self, key: str, source: tuple[bytes, str, str, str], variant: Variant,
-        timeout: float = DEFAULT_TIMEOUT,
+        self, program: _Build, variant: Variant, timeout: float = DEFAULT_TIMEOUT,
     ) -> Mapping[str, Scan]:
         """Build another variant of a program that was compiled."""
         try:
-            with self._turn, self._bounded(timeout, source[1]) as process:
-                for _ in range(2):
-                    self._ask(process, ('variant', key, variant))
-                    word, _ = _load(process)
-                    if word == 'fine':
-                        return _read_code(process, _breathless)
-                    self._compile(process, key, source)
+            with self._turn, self._bounded(timeout, program.source[1]) as listen:
+                if self._asked(listen, ('variant', program.key, variant), program):
+                    return unpack_code(listen, breathless)
         except (_Gone, OSError):
             pass
-        return _compile_here(source).executable.build(variant)
+        return _compile_here(program.source).executable.build(variant)
+
+    def transition(
+        self, old: Executable, new: Executable, breathe: Breathe = breathless,
+    ) -> Transition:
+        """Return how the old program's state becomes the new one's."""
+        found = self._compared(
+            'transition', old, new, lambda listen: unpack_transition(listen, old, new, breathe))
+        return found or _LOCAL.transition(old, new, breathe)
+
+    def compare(
+        self, old: Executable, new: Executable, forces: Mapping[int, Value],
+        breathe: Breathe = breathless,
+    ) -> Comparison:
+        """Return all that a change would do; ``forces`` are the old program's, by slot."""
+        found = self._compared(
+            'compare', old, new, lambda listen: unpack_comparison(listen, breathe), dict(forces))
+        return found or _LOCAL.compare(old, new, forces, breathe)
+
+    def _compared(
+        self, request: str, old: Executable, new: Executable, read: Callable[[Receive], _T],
+        *more: object,
+    ) -> _T | None:
+        """Return what the process says about two programs; None if it is to be found here.
+
+        That is so if it has not compiled them, has ended, or is at work for somebody else.
+        """
+        builds = [program.build for program in (old, new)]
+        ours = [build for build in builds if isinstance(build, _Build) and build.process is self]
+        if len(ours) < 2 or not self._turn.acquire(blocking=False):
+            return None
+        keys = (build.key for build in ours)
+        try:
+            with self._bounded(DEFAULT_TIMEOUT, ours[1].source[1]) as listen:
+                fine = self._asked(listen, (request, *keys, *more), *ours)
+                return read(listen) if fine else None
+        except (_Gone, OSError, LadderError):
+            return None
+        finally:
+            self._turn.release()
 
     def _compile(
-        self, process: BinaryIO, key: str, source: tuple[bytes, str, str, str],
-        breathe: Breathe = _breathless,
+        self, listen: Receive, key: str, source: Source, breathe: Breathe,
     ) -> Compilation | None:
-        self._ask(process, ('compile', key, *source))
-        word, content = _load(process)
+        self._ask(('compile', key, *source))
+        word, content = pickle.loads(listen())
         if word == 'wrong':
             raise LadderError(content)
         if word != 'fine':
             return None
-        layout = _read_layout(process, breathe)
-        code = _read_code(process, breathe)
+        layout = unpack_layout(listen, breathe)
+        code = unpack_code(listen, breathe)
         return Compilation(diagnostics=content, executable=Executable(
             **layout, build=_Build(self, key, source, code)))
 
-    def _ask(self, process: BinaryIO, request: object) -> None:
+    def _asked(self, listen: Receive, request: tuple[object, ...], *programs: _Build) -> bool:
+        """Ask about programs; say whether the rest of the answer comes now."""
+        for _ in range(2):
+            self._ask(request)
+            if pickle.loads(listen())[0] == 'fine':
+                return True
+            for program in programs:  # it has forgotten one of them
+                self._ask(('learn', program.key, *program.source))
+                listen()
+        return False
+
+    def _ask(self, request: object) -> None:
         assert self._process is not None and self._process.stdin is not None
         send(self._process.stdin, pickle.dumps(request))  # type: ignore[arg-type]
         self._process.stdin.flush()
 
     @contextmanager
-    def _bounded(self, timeout: float, file: str) -> Iterator[BinaryIO]:
+    def _bounded(self, timeout: float, file: str) -> Iterator[Receive]:
         """Give what the process says; end it if that takes too long or is not understood."""
         process = self._running()
         is_late = threading.Event()
@@ -199,7 +204,8 @@ class CompilerProcess:
         timer.start()
         try:
             assert process.stdout is not None
-            yield process.stdout  # type: ignore[misc]
+            stream: BinaryIO = process.stdout  # type: ignore[assignment]
+            yield lambda: receive(stream)
         except LadderError:
             raise
         except BaseException as error:
@@ -220,7 +226,7 @@ class CompilerProcess:
             root = str(Path(ladder_ros.__file__).parents[1])
             paths = [root, *filter(None, [os.environ.get('PYTHONPATH')])]
             self._process = subprocess.Popen(
-                [sys.executable, '-m', 'ladder_ros.compiler.worker'], stdin=subprocess.PIPE,
+                [sys.executable, '-m', 'ladder_ros.background.worker'], stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE, start_new_session=True,  # no Ctrl-C for it
                 env={**os.environ, 'PYTHONPATH': os.pathsep.join(paths)})
         return self._process
@@ -241,43 +247,6 @@ def _compile_here(source: tuple[bytes, str, str, str]) -> Compilation:
     data, file, backend, source_hash = source
     return compile_program(
         parse_any(data, file), backend=backend, source_hash=source_hash)
-
-
-def _load(stream: BinaryIO) -> Any:
-    return pickle.loads(receive(stream))  # from a process of our own
-
-
-def _read_layout(stream: BinaryIO, breathe: Breathe) -> dict[str, Any]:
-    name, backend, source_hash, aliases, parts = _load(stream)
-    found: dict[str, list[Any]] = {
-        key: [] for key in ('slots', 'components', 'entries', 'routines', 'tasks', 'rungs')}
-    for _ in range(parts):
-        breathe()
-        key, items = _load(stream)
-        found[key] += items
-    by_path = {slot.path.casefold(): slot for slot in found['slots']}
-    by_path.update((path, found['slots'][index]) for path, index in aliases.items())
-    return {'name': name, 'backend': backend, 'source_hash': source_hash, 'by_path': by_path,
-            **{key: tuple(items) for key, items in found.items()}}
-
-
-def _read_code(stream: BinaryIO, breathe: Breathe) -> Code:
-    entries, constants, count = _load(stream)
-    names: dict[str, object] = {'__builtins__': {}}
-    for name, data in constants.items():
-        names[name] = pickle.loads(data) if data else _function(name)
-    for _ in range(count):
-        breathe()
-        name, code = marshal.loads(receive(stream))
-        names[name] = FunctionType(code, names, name)
-    return Code(names, entries)
-
-
-def _function(name: str) -> object:
-    """Return the function that generated code calls by this name."""
-    match = _FUNCTION.fullmatch(name)
-    assert match is not None, name
-    return FUNCTIONS[match.group(1)](DataType(match.group(2)))
 
 
 COMPILER = CompilerProcess()

@@ -1,0 +1,216 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The peer of the benchmarks: a plant as C, in MatIEC's style and as an expert would write it.
+
+MatIEC's style: a variable is a structure of a value and flags, each write looks at the force flag,
+each rung is one expression with operators that stop early, and a timer is a function of its
+structure.  The expert's: a byte a variable, and operators without branches.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+import ctypes
+from pathlib import Path
+import shutil
+import subprocess
+
+from synthetic import Plant, Spec
+
+_RUNGS = 250
+"""Rungs in a C function."""
+_FUNCTIONS = 8
+"""C functions in a file."""
+
+_COMMON = """
+#include <stdint.h>
+typedef uint8_t BOOL; typedef int64_t TIME; typedef int16_t INT;
+extern TIME now;
+"""
+
+_MATIEC = _COMMON + """
+typedef struct { BOOL value; uint8_t flags; } V;
+#define GET(x) ((x).value)
+#define SET(x, e) do { if (!((x).flags & 2)) (x).value = (e); } while (0)
+typedef struct { V EN, ENO, IN; TIME PT; V Q; TIME ET; int8_t STATE; V PREV; TIME START; } TON;
+static void ton(TON *d) {
+  if (GET(d->EN)) { SET(d->ENO, 1); } else { SET(d->ENO, 0); return; }
+  if (d->STATE == 0 && !GET(d->PREV) && GET(d->IN)) {
+    d->STATE = 1; SET(d->Q, 0); d->START = now;
+  } else if (!GET(d->IN)) {
+    d->ET = 0; SET(d->Q, 0); d->STATE = 0;
+  } else if (d->STATE == 1) {
+    if (d->START + d->PT <= now) { d->STATE = 2; SET(d->Q, 1); d->ET = d->PT; }
+    else d->ET = now - d->START;
+  }
+  SET(d->PREV, GET(d->IN));
+}
+typedef struct { V EN, ENO, CU, R; INT PV; V Q; INT CV; V PREV; } CTU;
+static void ctu(CTU *d) {
+  if (GET(d->EN)) { SET(d->ENO, 1); } else { SET(d->ENO, 0); return; }
+  if (GET(d->R)) d->CV = 0;
+  else if (GET(d->CU) && !GET(d->PREV) && d->CV < d->PV) d->CV++;
+  SET(d->Q, d->CV >= d->PV);
+  SET(d->PREV, GET(d->CU));
+}
+"""
+
+_EXPERT = _COMMON + """
+typedef BOOL V;
+typedef struct { TIME ET, START; BOOL Q, PREV, RUN; } TON;
+static inline void ton(TON *d, BOOL in, TIME pt) {
+  TIME gone = now - d->START;
+  BOOL begin = in & !d->PREV, run = in & d->RUN & d->PREV, over = run & (gone >= pt);
+  d->ET = in ? (begin ? 0 : run ? (over ? pt : gone) : d->ET) : 0;
+  d->START = begin ? now : d->START;
+  d->Q = in & !begin & (d->Q | over);
+  d->RUN = begin | (run & !over);
+  d->PREV = in;
+}
+typedef struct { INT CV; BOOL Q, PREV; } CTU;
+static inline void ctu(CTU *d, BOOL cu, BOOL r, INT pv) {
+  INT cv = d->CV + ((cu & !d->PREV) & (d->CV < pv));
+  d->CV = r ? 0 : cv;
+  d->Q = d->CV >= pv;
+  d->PREV = cu;
+}
+"""
+
+STYLES = {'matiec': _MATIEC, 'expert': _EXPERT}
+
+
+def _flat(plant: Plant) -> Iterator[Spec]:
+    """Yield all rungs; those of stations with their own names."""
+    yield from plant.rungs
+    for k in range(plant.stations):
+        def own(name: str, k: int = k) -> str:
+            return name if name in ('', 'common') else f'{name}_{k}'
+
+        for spec in plant.station:
+            yield Spec(
+                groups=tuple(tuple((own(name), negated) for name, negated in group)
+                             for group in spec.groups),
+                target=own(spec.target), kind=spec.kind, preset=spec.preset,
+                reset=own(spec.reset))
+
+
+def _matiec_rung(spec: Spec) -> str:
+    power = ' || '.join('(' + ' && '.join(
+        f'{"!" if negated else ""}GET({name})' for name, negated in group) + ')'
+        for group in spec.groups)
+    match spec.kind:
+        case 'coil':
+            return f'SET({spec.target}, {power});'
+        case 'set' | 'reset':
+            return f'if ({power}) {{ SET({spec.target}, {int(spec.kind == "set")}); }}'
+        case 'ton':
+            b = f'b_{spec.target}'
+            return (f'SET({b}.EN, 1); SET({b}.IN, {power}); {b}.PT = {spec.preset}000000LL; '
+                    f'ton(&{b}); SET({spec.target}, GET({b}.Q));')
+        case _:
+            b = f'b_{spec.target}'
+            return (f'SET({b}.EN, 1); SET({b}.CU, {power}); SET({b}.R, GET({spec.reset})); '
+                    f'{b}.PV = {spec.preset}; ctu(&{b}); SET({spec.target}, GET({b}.Q));')
+
+
+def _expert_rung(spec: Spec) -> str:
+    power = ' | '.join('(' + ' & '.join(
+        f'({name} ^ 1)' if negated else name for name, negated in group) + ')'
+        for group in spec.groups)
+    b = f'b_{spec.target}'
+    match spec.kind:
+        case 'coil':
+            return f'{spec.target} = {power};'
+        case 'set':
+            return f'{spec.target} |= {power};'
+        case 'reset':
+            return f'{spec.target} &= ({power}) ^ 1;'
+        case 'ton':
+            return f'ton(&{b}, {power}, {spec.preset}000000LL); {spec.target} = {b}.Q;'
+        case _:
+            return f'ctu(&{b}, {power}, {spec.reset}, {spec.preset}); {spec.target} = {b}.Q;'
+
+
+class CPeer:
+    """A plant compiled by gcc and loaded: ``inputs`` are written by :meth:`write`."""
+
+    def __init__(self, plant: Plant, style: str, folder: Path, flags: str = '-O2') -> None:
+        """Generate, compile and load it; ``seconds`` are gcc's, by the caller's clock."""
+        folder.mkdir(parents=True, exist_ok=True)
+        specs = list(_flat(plant))
+        outputs = [spec.target for spec in specs]
+        names = list(dict.fromkeys((*plant.inputs, *outputs)))
+        blocks = [(spec.kind.upper(), f'b_{spec.target}') for spec in specs
+                  if spec.kind in ('ton', 'ctu')]
+        rung = _matiec_rung if style == 'matiec' else _expert_rung
+        # One structure for all, in the order of the variables, as MatIEC has it.
+        fields = ''.join(f'V {name};' for name in names) + ''.join(
+            f'{kind} {name};' for kind, name in blocks)
+        head = STYLES[style] + f'typedef struct {{ {fields} }} ALL;\nextern ALL all;\n'
+        head += ''.join(f'#define {name} all.{name}_\n' for name in ())
+        (folder / 'all.h').write_text(head.replace('extern TIME now', 'extern TIME now'))
+        bodies = self._functions(specs, rung)
+        files = []
+        for number, start in enumerate(range(0, len(bodies), _FUNCTIONS)):
+            files.append(folder / f'part{number}.c')
+            files[-1].write_text('#include "all.h"\n' + '\n'.join(
+                f'void f{start + k}(void) {{ {body} }}'
+                for k, body in enumerate(bodies[start:start + _FUNCTIONS])))
+        files.append(folder / 'main.c')
+        value = '.value' if style == 'matiec' else ''
+        files[-1].write_text(
+            '#include "all.h"\nTIME now; ALL all;\n'
+            + ''.join(f'void f{k}(void);\n' for k in range(len(bodies)))
+            + 'void scan(TIME t) { now = t; '
+            + ''.join(f'f{k}();' for k in range(len(bodies))) + '}\n'
+            + 'static BOOL *const places[] = {'
+            + ','.join(f'&all.{name}{value}' for name in names) + '};\n'
+            + 'void put(int k, BOOL v) { *places[k] = v; }\n'
+            + 'BOOL get(int k) { return *places[k]; }\n'
+            + 'void scans(TIME t, int n) { '
+            + 'for (int k = 0; k < n; k++) scan(t + k * 10000000LL); }')
+        library = folder / 'peer.so'
+        self.build(files, library, flags)
+        self.places = {name: place for place, name in enumerate(names)}
+        loaded = ctypes.CDLL(str(library))
+        loaded.scan.argtypes = [ctypes.c_int64]
+        loaded.scans.argtypes = [ctypes.c_int64, ctypes.c_int]
+        loaded.put.argtypes = [ctypes.c_int, ctypes.c_uint8]
+        loaded.get.argtypes, loaded.get.restype = [ctypes.c_int], ctypes.c_uint8
+        self.scan, self.scans, self._put, self._get = (
+            loaded.scan, loaded.scans, loaded.put, loaded.get)
+
+    @staticmethod
+    def _functions(specs: Sequence[Spec], rung: object) -> list[str]:
+        import re
+        word = re.compile(r'\b(?=[a-z]\w*)((?:b_)?(?:k|x|m|q|i)\d+(?:_\d+)?|common)\b')
+        lines = [word.sub(r'all.\1', rung(spec)) for spec in specs]  # type: ignore[operator]
+        return ['\n'.join(lines[start:start + _RUNGS])
+                for start in range(0, len(lines), _RUNGS)]
+
+    @staticmethod
+    def build(files: Sequence[Path], library: Path, flags: str) -> None:
+        """Compile two files at a time, and link."""
+        gcc = shutil.which('gcc')
+        if gcc is None:
+            raise SystemExit('gcc is not installed: there is no peer to compare with')
+        running: list[subprocess.Popen[bytes]] = []
+        for file in files:
+            if len(running) >= 2 and running.pop(0).wait():
+                raise SystemExit(f'gcc failed on {file}')
+            running.append(subprocess.Popen(
+                [gcc, *flags.split(), '-w', '-fPIC', '-c', str(file),
+                 '-o', str(file.with_suffix('.o'))]))
+        if any(process.wait() for process in running):
+            raise SystemExit('gcc failed')
+        subprocess.run(
+            [gcc, '-shared', '-o', str(library), *(str(f.with_suffix('.o')) for f in files)],
+            check=True)
+
+    def write(self, name: str, value: bool) -> None:
+        """Set a variable."""
+        self._put(self.places[name], value)
+
+    def read(self, name: str) -> bool:
+        """Return a variable."""
+        return bool(self._get(self.places[name]))

@@ -1,0 +1,578 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Emit LLVM's intermediate language: networks of an instruction list -> text of functions.
+
+A rung becomes straight code: contacts are loads, AND, OR and XOR of bytes, whatever the power is,
+so that no branch can be mispredicted and a scan takes as long with any data.  A value that was
+read or written in a function is not read again.  Only IF, LOOP and the routines of composites
+branch.
+
+A function holds some networks (a *chunk*); a routine calls its chunks one after the other.  Each
+takes the address of the state and the time, and returns how to go on: GO_ON, LEFT (RET) or FAILED
+(a loop did not end).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+import hashlib
+from itertools import pairwise
+
+from ladder_ros.blocks import FUNCTION_BLOCKS, RELEASE
+from ladder_ros.compiler.il import (
+    active_flag,
+    Call,
+    CONTROL,
+    Instruction,
+    LOOP_LIMIT,
+    Network,
+    Op,
+    Routine,
+)
+from ladder_ros.compiler.llvm_builder import Builder, IR_TYPE, Val, WORD
+from ladder_ros.compiler.llvm_functions import inline_function
+from ladder_ros.compiler.llvm_steps import inline_step, NotNativeError
+from ladder_ros.compiler.native_state import NativeLayout
+from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target
+from ladder_ros.model.catalogue import BlockKind, CATALOGUE
+from ladder_ros.model.types import DataType, default_value
+
+GO_ON, LEFT, FAILED = 0, 1, 2
+"""What a function returns."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Memory:
+    """Where variables are: their slots by casefolded path, and these in memory.
+
+    ``forced`` slots are never written.
+    """
+
+    slots: Mapping[str, int]
+    layout: NativeLayout
+    forced: frozenset[int] = frozenset()
+
+    def slot(self, ref: Ref) -> int:
+        """Return a variable's slot.  Raises NotNativeError if it is not in native memory."""
+        index = self.slots[ref.path.casefold()]
+        if self.layout.offsets[index] < 0:
+            raise NotNativeError(f'{ref.path} is a STRING')
+        return index
+
+    def elements(self, element: Element) -> range:
+        """Return the slots of the elements that an index may choose."""
+        first = self.slot(element.first)
+        return range(first, first + element.count * element.stride, element.stride)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Activity:
+    """What code depends on and changes: slots, with those of the routines that it may call.
+
+    ``timers`` are slots that say whether a timer runs.  Where none does, all that the code does
+    follows from what it reads.
+    """
+
+    reads: frozenset[int] = frozenset()
+    writes: frozenset[int] = frozenset()
+    timers: frozenset[int] = frozenset()
+
+    def __or__(self, other: Activity) -> Activity:
+        return Activity(reads=self.reads | other.reads, writes=self.writes | other.writes,
+                        timers=self.timers | other.timers)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Chunk:
+    """A function of some networks: its text without a name, and the functions that it calls.
+
+    Only one that ``may_leave`` returns anything else than GO_ON.
+    """
+
+    body: str
+    needs: tuple[str, ...]
+    activity: Activity
+    may_leave: bool
+
+
+def routine_symbol(name: str) -> str:
+    """Return the symbol of the function of a composite's instance."""
+    return f'routine_{hashlib.sha256(name.encode()).hexdigest()[:24]}'
+
+
+@dataclass(slots=True, kw_only=True)
+class ChunkEmitter:
+    """Emits one function; networks are added with :meth:`add`."""
+
+    memory: Memory
+    routines: Mapping[str, Activity]
+    """What the routines do that are native, by instance."""
+    builder: Builder = field(default_factory=Builder)
+    known: dict[int, Val] = field(default_factory=dict)
+    reads: set[int] = field(default_factory=set)
+    writes: set[int] = field(default_factory=set)
+    timers: set[int] = field(default_factory=set)
+    called: Activity = field(default_factory=Activity)
+    allocas: list[str] = field(default_factory=list)
+    may_leave: bool = False
+    labels: int = 0
+    stack: list[Val] = field(default_factory=list)
+    saved: list[Val] = field(default_factory=list)
+    temporaries: dict[str, Val] = field(default_factory=dict)
+    boxes: dict[str, Val] | None = None
+    """Where temporaries are in memory, in a network that branches."""
+    opened: list[str] = field(default_factory=list)
+
+    def add(self, network: Network) -> None:
+        """Add a network.  Raises NotNativeError if some of it has no native form."""
+        self.stack, self.saved, self.temporaries, self.opened = [], [], {}, []
+        branches = any(instruction.op in CONTROL for instruction in network.code)
+        self.boxes = {} if branches else None
+        for instruction in network.code:
+            self._instruction(instruction)
+
+    def chunk(self) -> Chunk:
+        """Return the function with all that was added."""
+        lines = [*self.allocas, *self.builder.lines, f'ret i8 {GO_ON}']
+        return Chunk(
+            body='\n'.join(lines), needs=tuple(self.builder.needs), activity=self.activity,
+            may_leave=self.may_leave)
+
+    @property
+    def activity(self) -> Activity:
+        """What the code so far depends on and changes."""
+        own = Activity(reads=frozenset(self.reads), writes=frozenset(self.writes),
+                       timers=frozenset(self.timers))
+        return own | self.called
+
+    # memory
+
+    def _address(self, offset: int) -> str:
+        return self.builder.let(f'getelementptr i8, ptr %s, i64 {offset}', 'ptr').text
+
+    def _load(self, index: int) -> Val:
+        found = self.known.get(index)
+        if found is None:
+            self.reads.add(index)
+            ir = IR_TYPE[self.memory.layout.types[index]]
+            place = self._address(self.memory.layout.offsets[index])
+            found = self.builder.let(f'load {self.builder.type(ir)}, ptr {place}', ir)
+            self.known[index] = found
+        return found
+
+    def _store(self, index: int, value: Val) -> None:
+        if index in self.memory.forced:
+            return
+        self.writes.add(index)
+        place = self._address(self.memory.layout.offsets[index])
+        self.builder.lines.append(
+            f'store {self.builder.type(value.ir)} {value.text}, ptr {place}')
+        self.known[index] = value
+
+    def _count_error(self, wrong: Val) -> None:
+        """Add one to the arithmetic errors where a BOOL is TRUE."""
+        if wrong == self.builder.false:
+            return
+        more = self.builder.widened(wrong, DataType.BOOL)
+        self._store(0, self.builder.op('add', self._load(0), more))
+
+    def _read(self, operand: Operand) -> Val:
+        if isinstance(operand, Literal):
+            if operand.type is DataType.STRING:
+                raise NotNativeError('a STRING')
+            return self.builder.constant(operand.value, operand.type)
+        if isinstance(operand, Element):
+            return self._read_element(operand)
+        if not operand.path.startswith('%T'):
+            return self._load(self.memory.slot(operand))
+        if self.boxes is None:
+            return self.temporaries[operand.path]
+        box = self._box(operand)
+        return self.builder.let(f'load {self.builder.type(box.ir)}, ptr {box.text}', box.ir)
+
+    def _write(self, target: Target, value: Val) -> None:
+        if isinstance(target, Element):
+            self._write_element(target, value)
+        elif not target.path.startswith('%T'):
+            self._store(self.memory.slot(target), value)
+        elif self.boxes is None:
+            self.temporaries[target.path] = value
+        else:
+            box = self._box(target)
+            self.builder.lines.append(
+                f'store {self.builder.type(value.ir)} {value.text}, ptr {box.text}')
+
+    def _box(self, ref: Ref) -> Val:
+        """Return the memory of a temporary."""
+        assert self.boxes is not None
+        if ref.path not in self.boxes:
+            if ref.type not in IR_TYPE:
+                raise NotNativeError('a STRING')
+            ir = IR_TYPE[ref.type]
+            self.boxes[ref.path] = self._reserve(ir)
+        return self.boxes[ref.path]
+
+    def _reserve(self, ir: str) -> Val:
+        name = f'%box{len(self.allocas)}'
+        self.allocas.append(f'{name} = alloca {self.builder.type(ir)}')
+        return Val(name, ir)
+
+    def _place(self, element: Element) -> tuple[Val, Val, str]:
+        """Return whether an element is in its array (a BOOL), its type, and its address."""
+        builder, layout = self.builder, self.memory.layout
+        slots = self.memory.elements(element)
+        steps = {layout.offsets[after] - layout.offsets[slot]
+                 for slot, after in pairwise(slots)} or {0}
+        if len(steps) > 1:
+            raise NotNativeError(f'{element.first} in an array without a regular step')
+        index = builder.widened(self._read(element.index), element.index.type)
+        inside = builder.word(
+            builder.compare('ult', index, builder.number(element.count, 'i64')))
+        safe = builder.select(inside, index, builder.number(0, 'i64'))
+        start = self._address(layout.offsets[slots[0]])
+        offset = builder.op('mul', safe, builder.number(steps.pop(), 'i64'))
+        place = builder.let(f'getelementptr i8, ptr {start}, i64 {offset.text}', 'ptr').text
+        return inside, Val('', IR_TYPE[element.type]), place
+
+    def _read_element(self, element: Element) -> Val:
+        builder = self.builder
+        inside, kind, place = self._place(element)
+        self.reads.update(self.memory.elements(element))
+        value = builder.let(f'load {builder.type(kind.ir)}, ptr {place}', kind.ir)
+        zero = builder.constant(default_value(element.type), element.type)
+        self._count_error(builder.not_(inside))
+        return builder.select(inside, value, zero)
+
+    def _write_element(self, element: Element, value: Val) -> None:
+        slots = self.memory.elements(element)
+        if self.memory.forced.intersection(slots):
+            raise NotNativeError('a forced element')
+        builder = self.builder
+        inside, kind, place = self._place(element)
+        before = builder.let(f'load {builder.type(kind.ir)}, ptr {place}', kind.ir)
+        after = builder.select(inside, value, before)
+        builder.lines.append(f'store {builder.type(kind.ir)} {after.text}, ptr {place}')
+        self.reads.update(slots)
+        self.writes.update(slots)
+        for slot in slots:
+            self.known.pop(slot, None)
+        self._count_error(builder.not_(inside))
+
+    # instructions
+
+    def _instruction(self, instruction: Instruction) -> None:
+        op, name, builder = instruction.op, instruction.op.value, self.builder
+        if name[:2] in ('LD', 'AN', 'OR') and instruction.operand is not None:
+            self._contact(instruction)
+        elif op is Op.ANB or op is Op.ORB:
+            right = self.stack.pop()
+            join = builder.and_ if op is Op.ANB else builder.or_
+            self.stack[-1] = join(self.stack[-1], right)
+        elif op is Op.MPS:
+            self.saved.append(self.stack[-1])
+        elif op in (Op.MRD, Op.MPP, Op.LRD, Op.LPP):
+            if op in (Op.MRD, Op.MPP):
+                self.stack.pop()
+            self.stack.append(
+                self.saved.pop() if op in (Op.MPP, Op.LPP) else self.saved[-1])
+        elif op is Op.DRP:
+            self.stack.pop()
+        elif op is Op.NOT:
+            self.stack[-1] = builder.not_(self.stack[-1])
+        elif op is Op.MOV:
+            assert instruction.operand is not None and instruction.target is not None
+            self._write(instruction.target, self._read(instruction.operand))
+        elif op in CONTROL:
+            self._control(op)
+        elif instruction.call is not None:
+            self._call(op, instruction.call)
+        else:
+            self._coil(instruction)
+
+    def _contact(self, instruction: Instruction) -> None:
+        assert instruction.operand is not None
+        name, builder = instruction.op.value, self.builder
+        value = self._read(instruction.operand)
+        mode = name[3:] if name[:2] == 'AN' else name[2:]
+        if mode == 'N':
+            value = builder.not_(value)
+        elif mode:
+            value = self._edge(instruction.memory, value, mode)
+        if name[:2] == 'LD':
+            self.stack.append(value)
+        else:
+            join = builder.and_ if name[:2] == 'AN' else builder.or_
+            self.stack[-1] = join(self.stack[-1], value)
+
+    def _edge(self, memory: Ref | None, signal: Val, mode: str) -> Val:
+        """Detect an edge, rising (P) or falling (F), as R_TRIG and F_TRIG do."""
+        assert memory is not None
+        level = signal if mode == 'P' else self.builder.not_(signal)
+        before = self._read(memory)
+        self._write(memory, level)
+        return self.builder.and_(level, self.builder.not_(before))
+
+    def _coil(self, instruction: Instruction) -> None:
+        op, operand, power = instruction.op, instruction.operand, self.stack[-1]
+        assert isinstance(operand, (Ref, Element))
+        builder = self.builder
+        if op is Op.ST:
+            self._write(operand, power)
+        elif op is Op.STN:
+            self._write(operand, builder.not_(power))
+        elif op is Op.S or op is Op.R:
+            if isinstance(operand, Element):
+                raise NotNativeError('a set or reset coil on an element')
+            before = self._read(operand)
+            self._write(operand, builder.or_(before, power) if op is Op.S else
+                        builder.and_(before, builder.not_(power)))
+        else:
+            self._write(operand, self._edge(instruction.memory, power, op.value[2]))
+
+    # branches
+
+    def _label(self) -> str:
+        self.labels += 1
+        return f'l{self.labels}'
+
+    def _branch(self, condition: Val, yes: str, no: str) -> None:
+        truth = self.builder.truth(condition)
+        self.builder.lines.append(f'br i1 {truth.text}, label %{yes}, label %{no}')
+
+    def _start(self, label: str, *, comes_from_above: bool = True) -> None:
+        """Begin a block; what is known about memory was so on one way here only."""
+        if comes_from_above:
+            self.builder.lines.append(f'br label %{label}')
+        self.builder.lines.append(f'{label}:')
+        self.known.clear()
+
+    def _control(self, op: Op) -> None:
+        if op is Op.IF:
+            end, then = self._label(), self._label()
+            self._branch(self.stack.pop(), then, end)
+            self._start(then, comes_from_above=False)
+            self.opened.append(end)
+        elif op is Op.ELSE:
+            after = self._label()
+            self.builder.lines.append(f'br label %{after}')
+            self._start(self.opened.pop(), comes_from_above=False)
+            self.opened.append(after)
+        elif op is Op.FI:
+            self._start(self.opened.pop())
+        elif op is Op.LOOP:
+            self._open_loop()
+        elif op is Op.POOL:
+            self._close_loop()
+        elif op is Op.BRK:
+            loop = next(name for name in reversed(self.opened) if name.startswith('loop'))
+            after = self._label()
+            self._branch(self.stack.pop(), f'{loop}.end', after)
+            self._start(after, comes_from_above=False)
+        else:
+            leave, after = self._label(), self._label()
+            self._branch(self.stack.pop(), leave, after)
+            self.builder.lines += [f'{leave}:', f'ret i8 {LEFT}']
+            self._start(after, comes_from_above=False)
+            self.may_leave = True
+
+    def _open_loop(self) -> None:
+        rounds = self._reserve('i64')
+        name = f'loop{rounds.text[1:]}'
+        self.builder.lines.append(f'store i64 0, ptr {rounds.text}')
+        self._start(name)
+        self.opened.append(name)
+
+    def _close_loop(self) -> None:
+        name = self.opened.pop()
+        box, builder = f'%{name[4:]}', self.builder
+        one = builder.number(1, 'i64')
+        rounds = builder.op('add', builder.let(f'load i64, ptr {box}', 'i64'), one)
+        builder.lines.append(f'store i64 {rounds.text}, ptr {box}')
+        over = builder.compare('sgt', rounds, builder.number(LOOP_LIMIT, 'i64'))
+        builder.lines += [
+            f'br i1 {over.text}, label %{name}.over, label %{name}', f'{name}.over:',
+            f'ret i8 {FAILED}']
+        self._start(f'{name}.end', comes_from_above=False)
+        self.may_leave = True
+
+    # calls
+
+    def _call(self, op: Op, call: Call) -> None:
+        if op is Op.CAL:
+            self._function_block(call)
+        elif op is Op.FUN:
+            self._function(call)
+        else:
+            self._routine(op, call)
+
+    def _routine(self, op: Op, call: Call) -> None:
+        """Call a routine where there is power, or release it where it was executed before."""
+        if call.instance not in self.routines:
+            raise NotNativeError(f'{call.instance} has parts that only Python runs')
+        builder, power = self.builder, self.stack[-1]
+        flag = self.memory.slot(active_flag(call.instance))
+        symbol = routine_symbol(call.instance)
+        was_active = self._load(flag)
+        inside, failed, off, after = (self._label() for _ in range(4))
+        builder.needs[f'declare i8 @{symbol}(ptr, i64)'] = None
+        self._store(flag, power if op is Op.RUN else builder.or_(power, was_active))
+        self._branch(power, inside, off)
+        self._start(inside, comes_from_above=False)
+        answer = builder.let(f'call i8 @{symbol}(ptr %s, i64 %now)', 'i8')
+        wrong = builder.let(f'icmp eq i8 {answer.text}, {FAILED}', 'i1')
+        builder.lines += [f'br i1 {wrong.text}, label %{failed}, label %{after}', f'{failed}:',
+                          f'ret i8 {FAILED}']
+        self._start(off, comes_from_above=False)
+        if op is Op.EXE:
+            release = self._label()
+            self._branch(was_active, release, after)
+            self._start(release, comes_from_above=False)
+            builder.needs[f'declare void @{symbol}_release(ptr)'] = None
+            builder.lines.append(f'call void @{symbol}_release(ptr %s)')
+        self._start(after)
+        self.may_leave = True
+        self.called |= self.routines[call.instance]
+
+    def _fields(self, call: Call, kind: BlockKind) -> list[int]:
+        return [self.memory.slots[f'{call.instance}.{pin.name}'.casefold()] for pin in kind.state]
+
+    def _function_block(self, call: Call) -> None:
+        kind, builder = CATALOGUE[call.name], self.builder
+        if kind.base_type in (DataType.ULINT, DataType.LWORD):
+            raise NotNativeError(call.name)
+        bound = {pin: (self._read(operand), operand.type) for pin, operand in call.inputs}
+        bound.setdefault(kind.power_input, (self.stack.pop(), DataType.BOOL))
+        enabled = bound.get('EN', (builder.true, DataType.BOOL))[0]
+        fields = self._fields(call, kind)
+        inputs = [self._step_value(*bound[pin.name]) for pin in kind.inputs]
+        before = [self._load(index) for index in fields]
+        types = [self.memory.layout.types[index] for index in fields]
+        state = [self._step_value(*typed) for typed in zip(before, types, strict=True)]
+        after = inline_step(
+            builder, FUNCTION_BLOCKS[call.name], [Val('%now', 'i64'), *inputs, *state])
+        for index, old, new in zip(fields, before, after, strict=True):
+            self._store(index, builder.select(enabled, self._of_step(new, old.ir), old))
+        if kind.is_timer:
+            self.timers.add(self.memory.slots[f'{call.instance}.%running'.casefold()])
+        for pin, target in call.outputs:
+            value = self._load(self.memory.slots[f'{call.instance}.{pin}'.casefold()])
+            self._assign(target, value, enabled)
+        place = [pin.name for pin in kind.state].index(kind.power_output)
+        self.stack.append(self._load(fields[place]))
+
+    def _assign(self, target: Target, value: Val, condition: Val) -> None:
+        """Write where a condition holds."""
+        if condition != self.builder.true:
+            value = self.builder.select(condition, value, self._read(target))
+        self._write(target, value)
+
+    def _step_value(self, value: Val, type_: DataType) -> Val:
+        """Return a value as steps compute with it: 64 bits."""
+        if value.ir == WORD:
+            return value
+        if value.is_real:
+            return self.builder.real(value)
+        return self.builder.widened(value, type_)
+
+    def _of_step(self, value: object, ir: str) -> Val:
+        """Return what a step computed as a value of a slot's type."""
+        if isinstance(value, bool):
+            return self.builder.true if value else self.builder.false
+        if isinstance(value, (int, float)):
+            return self.builder.number(value, ir)
+        assert isinstance(value, Val)
+        if value.is_real:
+            return self.builder.rounded(value, ir)
+        return value if value.ir == WORD else self.builder.narrowed(value, ir)
+
+    def _function(self, call: Call) -> None:
+        kind, builder = CATALOGUE[call.name], self.builder
+        power = self.stack.pop()
+        inputs = [(self._read(operand), operand.type) for _, operand in call.inputs]
+        out, fine = inline_function(builder, kind, call.type, inputs)
+        self._count_error(builder.and_(power, builder.not_(fine)))
+        fine = builder.and_(power, fine)
+        for pin, target in call.outputs:
+            value = fine if pin == 'ENO' else out
+            if IR_TYPE.get(target.type) != value.ir:
+                raise NotNativeError(f'{call.name} into {target.type}')
+            if pin == 'ENO':
+                self._write(target, fine)
+            elif power != builder.true and '%data' in str(target):
+                zero = builder.constant(default_value(target.type), target.type)
+                self._write(target, builder.select(power, out, zero))
+            elif power != builder.true and isinstance(target, Element):
+                raise NotNativeError('an element that is written on condition')
+            elif power != builder.true and str(target).startswith('%T') and (
+                    str(target) not in (self.temporaries if self.boxes is None else self.boxes)):
+                self._write(target, out)  # nobody reads it without power
+            else:
+                self._assign(target, out, power)
+        self.stack.append(fine if kind.power_output == 'ENO' else builder.and_(power, out))
+
+
+def emit_release(
+    routine: Routine, memory: Memory, routines: Mapping[str, Activity],
+) -> tuple[str, Activity]:
+    """Return the function that releases a routine's timers, and those of routines inside it."""
+    emitter = ChunkEmitter(memory=memory, routines=routines)
+    lines = emitter.builder.lines
+    for instruction in routine.instructions():
+        call = instruction.call
+        if call is not None and instruction.op is Op.EXE:
+            if call.instance not in routines:
+                raise NotNativeError(f'{call.instance} has parts that only Python runs')
+            release, after = emitter._label(), emitter._label()
+            emitter._branch(emitter._read(active_flag(call.instance)), release, after)
+            symbol = routine_symbol(call.instance)
+            lines += [f'{release}:', f'call void @{symbol}_release(ptr %s)', f'br label %{after}',
+                      f'{after}:']
+            emitter.known.clear()
+        elif call is not None and instruction.op is Op.CAL and call.name in RELEASE:
+            fields = emitter._fields(call, CATALOGUE[call.name])
+            before = [emitter._load(index) for index in fields]
+            after_release = inline_step(emitter.builder, RELEASE[call.name], before)
+            for index, old, new in zip(fields, before, after_release, strict=True):
+                emitter._store(index, emitter._of_step(new, old.ir))
+    emitter._store(memory.slot(active_flag(routine.name)), emitter.builder.false)
+    symbol = routine_symbol(routine.name)
+    body = '\n'.join(lines)
+    return f'define void @{symbol}_release(ptr %s) {{\n{body}\nret void\n}}', emitter.activity
+
+
+def written_order(routines: Sequence[Routine], slots: Mapping[str, int]) -> list[int]:
+    """Return the slots that the code writes, in its order; arrays are left out."""
+    order: list[int] = []
+    for routine in routines:
+        for instruction in routine.instructions():
+            call = instruction.call
+            targets: list[Operand | None] = [instruction.memory, instruction.target]
+            if call is None and instruction.op.value[0] in 'SR':
+                targets.append(instruction.operand)
+            if call is not None:
+                targets += [target for _, target in call.outputs]
+                if instruction.op is Op.CAL:
+                    order += [slots[f'{call.instance}.{pin.name}'.casefold()]
+                              for pin in CATALOGUE[call.name].state]
+                elif instruction.op is not Op.FUN:
+                    order.append(slots[active_flag(call.instance).path.casefold()])
+            order += [slots[target.path.casefold()] for target in targets
+                      if isinstance(target, Ref) and not target.path.startswith('%T')]
+    return order
+
+
+def arrays_of(routines: Sequence[Routine], slots: Mapping[str, int]) -> list[range]:
+    """Return the ranges of slots of the arrays that the code indexes at run time."""
+    found: list[range] = []
+    for routine in routines:
+        for instruction in routine.instructions():
+            call = instruction.call
+            operands: list[Operand | None] = [instruction.operand, instruction.target]
+            if call is not None:
+                operands += [operand for _, operand in (*call.inputs, *call.outputs)]
+            for operand in operands:
+                if isinstance(operand, Element):
+                    first = slots[operand.first.path.casefold()]
+                    found.append(range(first, first + operand.count * operand.stride))
+    return found

@@ -1,0 +1,352 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The native backend: what has a native form is compiled with LLVM, Python runs the rest.
+
+A body is split at its networks: those that use STRINGs, say, or call a routine that does, are run
+by generated Python between two native parts, on the same state.  The program as a whole is native
+unless it is observed; then Python runs it on a copy of the state's values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+import ctypes
+from dataclasses import dataclass, field
+import hashlib
+from itertools import groupby
+
+from ladder_ros.compiler.event_kernel import EventTables, KERNEL, SYMBOL
+from ladder_ros.compiler.il import Instruction, InstructionList, LoopError, Network, Op, Routine
+from ladder_ros.compiler.il_to_llvm import (
+    Activity,
+    arrays_of,
+    Chunk,
+    ChunkEmitter,
+    emit_release,
+    FAILED,
+    GO_ON,
+    LEFT,
+    Memory,
+    routine_symbol,
+    written_order,
+)
+from ladder_ros.compiler.llvm_machine import Linked
+from ladder_ros.compiler.llvm_steps import NotNativeError
+from ladder_ros.compiler.native_state import arrange, NativeLayout
+from ladder_ros.compiler.symbols import Element
+from ladder_ros.executable import Scan, Slot, State
+
+_NETWORKS = 16
+_INSTRUCTIONS = 200
+"""Most networks, and about the most instructions, in a chunk."""
+_LEAST_CHUNKS = 32
+"""Chunks that a part must have for it to pay to follow what has changed."""
+_CHUNKS = 32
+"""Chunks in a module: the part that is compiled, and kept, as one."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Part:
+    """A part of a body: a native function's symbol, or networks that Python runs.
+
+    ``chunks`` are the functions that a native one calls, with what they do.
+    """
+
+    symbol: str = ''
+    chunks: tuple[tuple[str, Activity], ...] = ()
+    networks: tuple[Network, ...] = ()
+
+
+def _is_large(part: Part) -> bool:
+    return len(part.chunks) >= _LEAST_CHUNKS
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NativeProgram:
+    """A program as texts of modules; ``parts`` are those of each body, in their order.
+
+    ``rest`` is the code that Python runs: a body for each part of that kind, by its name.
+    """
+
+    layout: NativeLayout
+    modules: tuple[str, ...]
+    parts: Mapping[str, tuple[Part, ...]]
+    rest: InstructionList
+    why_not: tuple[str, ...] = ()
+    """Why networks are left to Python, each reason once."""
+
+
+def layout_of(code: InstructionList, slots: Sequence[Slot],
+              index: Mapping[str, int]) -> NativeLayout:
+    """Lay out the state of a program."""
+    return arrange(
+        slots, written_order(code.routines, index), arrays_of(code.routines, index))
+
+
+def emit_native(
+    code: InstructionList, slots: Mapping[str, int], layout: NativeLayout,
+    forced: frozenset[int] = frozenset(),
+) -> NativeProgram:
+    """Return the native form of a program.  ``slots`` are indices by casefolded path."""
+    return _Emitter(code, Memory(slots=slots, layout=layout, forced=forced)).emit()
+
+
+@dataclass(slots=True, kw_only=True)
+class _Function:
+    """A function that is a chunk; its symbol says what is in it."""
+
+    symbol: str
+    chunk: Chunk
+
+    @property
+    def text(self) -> str:
+        return f'define i8 @{self.symbol}(ptr %s, i64 %now) {{\n{self.chunk.body}\n}}'
+
+
+def _jumps(routine: Routine) -> bool:
+    """Say whether a routine has jumps: its networks are then not executed one after the other."""
+    return any(instruction.op is Op.JMP for instruction in routine.instructions())
+
+
+@dataclass(slots=True)
+class _Emitter:
+    code: InstructionList
+    memory: Memory
+    routines: dict[str, Activity] = field(default_factory=dict)
+    """What the routines do that are native as a whole, by instance."""
+    sizes: dict[str, int] = field(default_factory=dict)
+    """How many instructions a routine executes, with those that it calls."""
+    functions: dict[str, _Function] = field(default_factory=dict)
+    drivers: list[str] = field(default_factory=list)
+    why_not: dict[str, None] = field(default_factory=dict)
+
+    def emit(self) -> NativeProgram:
+        inner = [routine for routine in self.code.routines if not routine.is_body]
+        for routine in reversed(inner):  # each comes after those that call it
+            self.inner_routine(routine)
+        parts: dict[str, tuple[Part, ...]] = {}
+        rest: list[Routine] = []
+        for routine in self.code.routines:
+            if routine.is_body:
+                parts[routine.name] = tuple(self.body(routine))
+                rest += [Routine(name=f'{routine.name}/{place}', networks=part.networks)
+                         for place, part in enumerate(parts[routine.name]) if part.networks]
+        if rest:
+            rest += inner
+        modules = list(self.modules())
+        if any(_is_large(part) for several in parts.values() for part in several):
+            modules.append(KERNEL)
+        return NativeProgram(
+            layout=self.memory.layout, modules=tuple(modules), parts=parts,
+            rest=InstructionList(routines=tuple(rest)), why_not=tuple(self.why_not))
+
+    def inner_routine(self, routine: Routine) -> None:
+        try:
+            if _jumps(routine):
+                raise NotNativeError('a jump')
+            functions = list(self.chunks(routine.networks))
+            release, activity = emit_release(routine, self.memory, self.routines)
+        except NotNativeError as error:
+            self.why_not[str(error)] = None
+            return
+        for function in functions:
+            activity |= function.chunk.activity
+        self.routines[routine.name] = activity
+        self.sizes[routine.name] = sum(map(self.size, routine.networks))
+        self.keep(functions)
+        self.drivers += [self.driver(routine_symbol(routine.name), functions), release]
+
+    def body(self, routine: Routine) -> Iterator[Part]:
+        """Split a body into parts that are native, and others."""
+        faults = [self.fault(network) for network in routine.networks]
+        self.why_not.update((fault, None) for fault in faults if fault)
+        leaves = any(i.op is Op.RET for i in routine.instructions())
+        if _jumps(routine):
+            self.why_not['a jump'] = None
+            yield Part(networks=routine.networks)
+            return
+        if any(faults) and leaves:  # what Python runs cannot tell that it was left
+            yield Part(networks=routine.networks)
+            return
+        for is_native, group in groupby(
+                zip(routine.networks, faults, strict=True), key=lambda pair: not pair[1]):
+            networks = tuple(network for network, _ in group)
+            if not is_native:
+                yield Part(networks=networks)
+                continue
+            functions = list(self.chunks(networks))
+            symbol = f'body_{len(self.drivers)}'
+            self.keep(functions)
+            self.drivers.append(self.driver(symbol, functions))
+            yield Part(symbol=symbol, chunks=tuple(
+                (function.symbol, function.chunk.activity) for function in functions))
+
+    def fault(self, network: Network) -> str:
+        """Return why a network is not native, or ''."""
+        if not any(_may_fail(instruction) for instruction in network.code):
+            return ''
+        try:
+            ChunkEmitter(memory=self.memory, routines=self.routines).add(network)
+        except NotNativeError as error:
+            return str(error)
+        return ''
+
+    def chunks(self, networks: Sequence[Network]) -> Iterator[_Function]:
+        emitter = ChunkEmitter(memory=self.memory, routines=self.routines)
+        count = size = 0
+        for network in networks:
+            if count and (count >= _NETWORKS or size + self.size(network) > _INSTRUCTIONS):
+                yield self.function(emitter)
+                emitter = ChunkEmitter(memory=self.memory, routines=self.routines)
+                count = size = 0
+            emitter.add(network)
+            count, size = count + 1, size + self.size(network)
+        if count:
+            yield self.function(emitter)
+
+    def size(self, network: Network) -> int:
+        """Return how many instructions a network executes, about."""
+        return len(network.code) + sum(
+            self.sizes[i.call.instance] for i in network.code
+            if i.call is not None and i.op in (Op.EXE, Op.RUN))
+
+    def function(self, emitter: ChunkEmitter) -> _Function:
+        chunk = emitter.chunk()
+        digest = hashlib.sha256(chunk.body.encode()).hexdigest()[:32]
+        return _Function(symbol=f'chunk_{digest}', chunk=chunk)
+
+    def keep(self, functions: Sequence[_Function]) -> None:
+        self.functions.update((function.symbol, function) for function in functions)
+
+    def driver(self, symbol: str, functions: Sequence[_Function]) -> str:
+        """Return the function that calls others one after the other."""
+        lines = [f'define i8 @{symbol}(ptr %s, i64 %now) {{']
+        for number, function in enumerate(functions):
+            lines.append(f'%r{number} = call i8 @{function.symbol}(ptr %s, i64 %now)')
+            if function.chunk.may_leave:
+                lines += [
+                    f'%c{number} = icmp eq i8 %r{number}, {GO_ON}',
+                    f'br i1 %c{number}, label %on{number}, label %out{number}',
+                    f'out{number}:', f'ret i8 %r{number}', f'on{number}:']
+        return '\n'.join([*lines, f'ret i8 {GO_ON}', '}'])
+
+    def modules(self) -> Iterator[str]:
+        functions = list(self.functions.values())
+        for start in range(0, len(functions), _CHUNKS):
+            part = functions[start:start + _CHUNKS]
+            needs = dict.fromkeys(need for function in part for need in function.chunk.needs)
+            yield '\n'.join((*needs, *(function.text for function in part)))
+        declared = [f'declare i8 @{function.symbol}(ptr, i64)' for function in functions]
+        yield '\n'.join((*declared, *self.drivers))
+
+
+def _may_fail(instruction: Instruction) -> bool:
+    """Say whether an instruction may have no native form; most have one."""
+    return instruction.call is not None or instruction.op is Op.MOV or isinstance(
+        instruction.operand, Element)
+
+
+# -- running -------------------------------------------------------------------------------------
+
+_Step = Callable[..., int]
+"""A native function: the state's address and the time to how to go on."""
+
+_PartScan = Callable[[State, int, 'list[bool] | None'], 'bool | None']
+"""Runs a part of a body; says whether the body is to be left."""
+
+
+def load_native(
+    program: NativeProgram, objects: Sequence[bytes], python: Mapping[str, Scan], *,
+    by_events: bool = True,
+) -> dict[str, Scan]:
+    """Return a scan function for each body, of object code; ``python`` are those of the rest.
+
+    ``by_events`` leaves out what cannot change (see `event_kernel`); else all is executed always.
+    """
+    linked = Linked(objects)
+
+    def part_scan(part: Part) -> _PartScan:
+        if by_events and _is_large(part):
+            return _by_events(part, program.layout, linked)
+        return _native_part(_PLAIN(linked.address(part.symbol)), linked)
+
+    def scan_of(body: str, parts: Sequence[Part]) -> Scan:
+        steps = [
+            part_scan(part) if part.symbol else _python_part(python[f'{body}/{place}'])
+            for place, part in enumerate(parts)]
+        return steps[0] if len(steps) == 1 else _several(steps)
+
+    return {body: scan_of(body, parts) for body, parts in program.parts.items()}
+
+
+_PLAIN = ctypes.CFUNCTYPE(ctypes.c_int8, ctypes.c_void_p, ctypes.c_int64)
+_KERNEL = ctypes.CFUNCTYPE(
+    ctypes.c_int8, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)
+
+
+def _native_part(step: _Step, linked: Linked) -> _PartScan:
+    def scan(
+        state: State, now: int, power: list[bool] | None, keeps: Linked = linked,
+    ) -> bool:
+        answer = step(state.address, now)  # type: ignore[attr-defined]
+        if answer:
+            _check(answer)
+        return answer == LEFT
+
+    return scan
+
+
+def _by_events(part: Part, layout: NativeLayout, linked: Linked) -> _PartScan:
+    tables = EventTables([activity for _, activity in part.chunks], layout)
+    bound = tables.bind([linked.address(symbol) for symbol, _ in part.chunks],
+                        linked.address(part.symbol))
+    step = _KERNEL(linked.address(SYMBOL))
+    size, place = tables.area, ctypes.addressof(bound)
+
+    def scan(
+        state: State, now: int, power: list[bool] | None, keeps: object = (linked, bound),
+    ) -> bool:
+        area = state.area(place, size)  # type: ignore[attr-defined]
+        answer = step(state.address, now, area, place)  # type: ignore[attr-defined]
+        if answer:
+            _check(answer)
+        return bool(answer == LEFT)
+
+    return scan
+
+
+def _check(answer: int) -> None:
+    if answer == FAILED:
+        raise LoopError('a loop does not end')
+
+
+def _python_part(part: Scan) -> _PartScan:
+    def scan(state: State, now: int, power: list[bool] | None) -> bool:
+        part(state, now, power)
+        return False
+
+    return scan
+
+
+def _several(steps: Sequence[_PartScan]) -> Scan:
+    def scan(state: State, now: int, power: list[bool] | None) -> None:
+        for step in steps:
+            if step(state, now, power):
+                return
+
+    return scan
+
+
+def on_values(scan: Scan) -> Scan:
+    """Return a scan function of Python's that works on a copy of the values, and writes it back.
+
+    That is faster than to read and write typed memory one by one.
+    """
+    def copied(state: State, now: int, power: list[bool] | None) -> None:
+        values = list(state)
+        try:
+            scan(values, now, power)
+        finally:
+            state[:] = values
+
+    return copied
