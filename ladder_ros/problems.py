@@ -65,6 +65,7 @@ _FILES = (
            'give it an interval, such as T#10ms, or the variable whose rise runs it: single'),
     _error('L0115', 'the import options cannot be used: {reason}',
            'write for instance {{"order": "position-kind", "stubs": true}}; orders: {orders}'),
+    _error('L0116', '<{element}> cannot stand in {where}', '{expected}'),
     _error('L0120', 'this is no Structured Text: {what} (column {column})', '{expected}'),
     _error('L0121', 'the Structured Text is too large: {what}',
            'at most {limit}; split it, or put parts of it into variables or POUs of their own'),

@@ -14,10 +14,10 @@ import os
 
 from ladder_ros.background.process import COMPILER
 from ladder_ros.compiler.dump import dump_stage, require_pou, STAGES, with_drawings
-from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
+from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program, completed
 from ladder_ros.compiler.program_to_plcopen import write_plcopen
 from ladder_ros.compiler.program_to_st import write_st
-from ladder_ros.diagnostics import Diagnostic, LadderError, Location
+from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError, Location
 from ladder_ros.drawing.rung_text import draw_program, Style
 from ladder_ros.executable import Executable
 from ladder_ros.model.program import Program
@@ -161,8 +161,9 @@ def export(path: str | os.PathLike[str], to: str) -> str:
     if to == 'il':
         return dump_stage(program, 'il')
     if program.dialect != 'native':
-        raise LadderError.of('L0511', program.location, form='xml',
-                             what='a program that was drawn elsewhere')
+        program = completed(program)
+        if has_errors(found := check_program(program)):
+            raise LadderError(found)
     return write_program(program)
 
 
