@@ -1,6 +1,6 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The facade that every door uses: check, show, compile, simulate, run, force, change, observe.
+"""The facade that every door uses: check, compile, simulate, run, force, change, observe.
 
 Mistakes of the user raise :class:`~ladder_ros.diagnostics.LadderError`.  The functions look at a
 program file and return; a :class:`Session` runs one program in a thread of its own.
@@ -13,14 +13,13 @@ from datetime import datetime, timezone
 import os
 
 from ladder_ros.background.process import COMPILER
-from ladder_ros.compiler.dump import dump_stage, STAGES, with_drawings
+from ladder_ros.compiler.dump import dump_stage, require_pou, STAGES
 from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
 from ladder_ros.compiler.program_to_plcopen import write_plcopen
 from ladder_ros.compiler.program_to_st import write_st
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location
-from ladder_ros.drawing.rung_text import draw_program, Style
 from ladder_ros.executable import Executable
-from ladder_ros.model.program import Pou, Program
+from ladder_ros.model.program import Program
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.change_desk import ChangeDesk
 from ladder_ros.runtime.changes import Change, Loaded
@@ -91,7 +90,6 @@ __all__ = [
     'named_slots',
     'parse_value',
     'replay',
-    'show',
     'simulate',
 ]
 
@@ -129,21 +127,8 @@ def dump(path: str | os.PathLike[str], stage: str, pou: str | None = None) -> st
     Raises LadderError.
     """
     program, _ = _read(path)
-    _require_pou(program, pou)
+    require_pou(program, pou)
     return dump_stage(program, stage, pou)
-
-
-def show(
-    path: str | os.PathLike[str], pou: str | None = None, *,
-    ascii_only: bool = False, grid: bool = False,
-) -> str:
-    """Return the drawings of a program's rungs, or of one POU's; ``grid`` numbers the cells.
-
-    Raises LadderError.
-    """
-    program, _ = _read(path)
-    _require_pou(program, pou)
-    return draw_program(with_drawings(program), pou, Style(ascii_only=ascii_only, grid=grid))
 
 
 def export(path: str | os.PathLike[str], to: str) -> str:
@@ -162,13 +147,6 @@ def export(path: str | os.PathLike[str], to: str) -> str:
         raise LadderError.of('L0511', program.location, form='xml',
                              what='a program that was drawn elsewhere')
     return write_program(program)
-
-
-def _require_pou(program: Program, pou: str | None) -> None:
-    pous: tuple[Pou, ...] = (*program.bodies, *program.composites)
-    names = [part.name for part in pous]
-    if pou is not None and pou.casefold() not in (name.casefold() for name in names):
-        raise LadderError.of('L0509', program.location, name=pou, known=', '.join(names))
 
 
 def compile_file(path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -> Loaded:

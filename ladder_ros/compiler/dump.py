@@ -33,6 +33,14 @@ def dump_stage(program: Program, stage: str, pou: str | None = None) -> str:
     return _DUMPS[stage](program, stages, pou)
 
 
+def require_pou(program: Program, pou: str | None) -> None:
+    """Raise LadderError L0509 if a program has no body or composite of that name."""
+    pous: list[Pou] = [*program.bodies, *program.composites]
+    names = [part.name for part in pous]
+    if pou is not None and pou.casefold() not in (name.casefold() for name in names):
+        raise LadderError.of('L0509', program.location, name=pou, known=', '.join(names))
+
+
 def with_drawings(program: Program) -> Program:
     """Return an imported program with its drawings on our grid, as far as it compiles.
 

@@ -28,11 +28,16 @@ from ladder_ros.drawing.layout import (
     title_start,
 )
 from ladder_ros.drawing.shapes import Box, Symbol, Wire
-from ladder_ros.drawing.sketch import described, is_too_large, lay_out_sketch, make_sketch, Sketch
-from ladder_ros.model.program import Composite, Pou, Program, Rung
-
-MAX_ALIGNED = 100
-"""Widest picture, in characters, to which the others of a POU are stretched."""
+from ladder_ros.drawing.sketch import (
+    chosen_pous,
+    common_width,
+    described,
+    is_too_large,
+    lay_out_sketch,
+    make_sketch,
+    Sketch,
+)
+from ladder_ros.model.program import Composite, Program, Rung
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,44 +80,31 @@ def draw_rung(
                       *inner_texts(rung, glyphs)])
 
 
-def draw_program(program: Program, pou: str | None = None, style: Style | None = None) -> str:
+def draw_program(
+    program: Program, pou: str | None = None, style: Style | None = None, *,
+    rung: str | None = None,
+) -> str:
     """Return the pictures of a program's rungs, or of one POU's, as text that ends with a line.
 
     The right rails of a POU's rungs stand below each other.  Raises KeyError if the program has no
-    POU of that name (case does not count).
+    POU of that name (case does not count), or no such rung.
     """
     style = style or Style()
-    pous: list[Pou] = [*program.composites, *program.bodies]
-    if pou is not None:
-        pous = [p for p in pous if p.name.casefold() == pou.casefold()]
-        if not pous:
-            raise KeyError(pou)
+    pous = chosen_pous(program, pou, rung)
     composites = {composite.name.casefold(): composite for composite in program.composites}
     parts = []
-    if pou is None:
+    if pou is None and rung is None:
         parts.append(titled(f'program {program.name}', program.specification, style.glyphs))
     for one in pous:
-        widths = [rung_width(rung, composites, style) for rung in one.rungs]
-        widest = max((width for width in widths if width <= MAX_ALIGNED), default=0)
-        aligned = replace(style, width=max(style.width, widest))
+        width = max(style.width, common_width(one, composites, style.glyphs))
+        aligned = replace(style, width=width)
         parts.append(pou_header(one, style.glyphs, program.dialect != 'native'))
-        parts += [draw_rung(rung, composites, aligned) for rung in one.rungs]
+        parts += [draw_rung(drawn, composites, aligned) for drawn in one.rungs]
         if one.unsupported:
             parts.append(f'    cannot run: {printable(one.unsupported, style.glyphs)}')
         elif one.statements:
             parts.append('\n'.join(text_lines(one.statements, style.glyphs)))
     return '\n\n'.join(parts) + '\n'
-
-
-def rung_width(
-    rung: Rung, composites: Mapping[str, Composite] | None = None, style: Style | None = None
-) -> int:
-    """Return the characters from rail to rail that a rung's picture needs; 0 if too large."""
-    grid = grid_of(rung)
-    if is_too_large(rung, grid):
-        return 0
-    sketch = make_sketch(rung, grid, composites or {}, (style or Style()).glyphs)
-    return lay_out_sketch(sketch, 0).width
 
 
 def _drawn(sketch: Sketch, layout: Layout, glyphs: Glyphs) -> Canvas:

@@ -5,18 +5,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ladder_ros.drawing.canvas import printable
 from ladder_ros.drawing.glyphs import Glyphs
 from ladder_ros.drawing.joints import find_joints, Joints, lines_of, rows_of
-from ladder_ros.drawing.layout import Grid, lay_out, Layout
+from ladder_ros.drawing.layout import Grid, grid_of, lay_out, Layout
 from ladder_ros.drawing.shapes import Box, Facts, NO_FACTS, Shape, shape_of, ShapeContext, Symbol
 from ladder_ros.model.component import Argument, Block, Coil, Component, Contact, Instance
-from ladder_ros.model.program import Composite, Rung
+from ladder_ros.model.program import Composite, Pou, Program, Rung
 
 MAX_CELLS = 200_000
 """Grid cells of the largest rung that is drawn; what is larger is listed instead."""
+
+MAX_ALIGNED = 100
+"""Widest picture, in characters, to which the others of a POU are stretched."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,6 +70,38 @@ def lay_out_sketch(sketch: Sketch, width: int) -> Layout:
     """Give everything its place in a picture of at least ``width`` characters."""
     return lay_out(sketch.shapes, sketch.grid, sketch.joints, rails=(0, sketch.rung.width),
                    width=width)
+
+
+def chosen_pous(program: Program, pou: str | None, rung: str | None = None) -> list[Pou]:
+    """Return the POUs to draw: composites first, or the one of that name (case does not count).
+
+    With a rung's name only the POUs that have it, with no other.  Raises KeyError if none is left.
+    """
+    every: list[Pou] = [*program.composites, *program.bodies]
+    pous = [part for part in every if pou is None or part.name.casefold() == pou.casefold()]
+    if pou is not None and not pous:
+        raise KeyError(pou)
+    if rung is None:
+        return pous
+    narrowed = [replace(part, statements=(), rungs=tuple(
+        one for one in part.rungs if one.id == rung)) for part in pous]
+    found = [part for part in narrowed if part.rungs]
+    if not found:
+        raise KeyError(rung)
+    return found
+
+
+def common_width(
+    pou: Pou, composites: Mapping[str, Composite], glyphs: Glyphs, facts: Facts = NO_FACTS,
+) -> int:
+    """Return the width that lets the right rails of a POU's rungs stand below each other."""
+    found = [0]
+    for rung in pou.rungs:
+        grid = grid_of(rung)
+        if not is_too_large(rung, grid):
+            sketch = make_sketch(rung, grid, composites, glyphs, facts)
+            found.append(lay_out_sketch(sketch, 0).width)
+    return max(width for width in found if width <= MAX_ALIGNED)
 
 
 def _obstacle(
