@@ -199,6 +199,10 @@ _RUNNING = (
     _error('L0510', 'programs cannot be written as {form}', 'available here: {known}'),
     _error('L0511', '{what} cannot be written as {form}',
            'change that part of the program, or export it to another form'),
+    _error('L0512', 'there is no rung {name} in {place}', 'it has {known}'),
+    _error('L0513', 'the values cannot be read: {reason}',
+           'give a message of ~/monitor, a JSON object of values by variable, or a CSV table as '
+           '`ladder simulate` writes it'),
     _error('L0520', '{request} is not possible: {reason}', '{expected}'),
     _error('L0521', 'the program was not compiled: {reason}', '{expected}'),
     _warning('L0522', '{name} was nowhere: the running program has no {places}',
