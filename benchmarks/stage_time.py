@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 import gc
 import time
 import tracemalloc
@@ -77,7 +78,9 @@ def stages(data: bytes) -> dict[str, float]:
     """Return the seconds spent in each stage of the pipeline."""
     program = parse_any(data, 'plant.xml')
     clocks = {name: Clock(getattr(pipeline, name)) for names in STAGES.values() for name in names}
-    with patch.multiple(pipeline, **clocks):
+    with ExitStack() as stack:
+        for name, clock in clocks.items():
+            stack.enter_context(patch.object(pipeline, name, clock))
         pipeline.compile_program(program)
     return {stage: sum(clocks[name].seconds for name in names)
             for stage, names in STAGES.items()}

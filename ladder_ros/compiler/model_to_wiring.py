@@ -69,7 +69,7 @@ class _Drawing:
     ends_in_output: bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Connections:
     """The wiring of rungs that are drawn alike: components by their places in the rung."""
 
@@ -90,7 +90,8 @@ class _Connections:
             lines=tuple([Line(component=components[place], source=source, target=target)
                          for place, source, target in self.lines]),
             series=tuple([(ids[one], ids[other]) for one, other in self.series]),
-            parallel=tuple([(ids[one], ids[other]) for one, other in self.parallel]))
+            parallel=tuple([(ids[one], ids[other]) for one, other in self.parallel]),
+            likeness=self)
 
 
 def _drawing(rung: Rung, ends_in_output: bool) -> _Drawing | None:

@@ -33,6 +33,9 @@ from ladder_ros.model.types import DataType
 _ALIKE = 4096
 """So many values that all rungs have alike are made once."""
 
+_DRAWINGS = 1024
+"""So many drawings are known again, in whichever rung: most rungs are drawn like others."""
+
 _Node = str | int
 """A part by its casefolded id, or a net by its number."""
 
@@ -47,6 +50,32 @@ def build_aov(
     """
     builder = _Builder(wiring=wiring, resolved=resolved)
     return builder.run(), tuple(builder.found)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Plan:
+    """A graph without its components; ``order`` gives their places among the wiring's parts."""
+
+    order: tuple[int, ...]
+    virtuals: tuple[VirtualVertex, ...]
+    arcs: tuple[Arc, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Drawing:
+    """A wiring without direct data connections, which is like any other of its likeness."""
+
+    likeness: object
+    wiring: Wiring = field(compare=False)
+    resolved: Mapping[str, Resolved] = field(compare=False)
+
+
+@lru_cache(_DRAWINGS)
+def _known_plan(drawing: _Drawing) -> _Plan | None:
+    """Return the graph of wirings that are alike; None if something is wrong with it."""
+    builder = _Builder(wiring=drawing.wiring, resolved=drawing.resolved)
+    plan = builder.plan()
+    return None if builder.found else plan
 
 
 @lru_cache(_ALIKE)
@@ -64,12 +93,25 @@ class _Builder:
     wiring: Wiring
     resolved: Mapping[str, Resolved]
     found: list[Diagnostic] = field(default_factory=list)
-    _order: list[Part] | None = None
     _wanted: set[str] | None = None
 
     def run(self) -> Aov:
         wiring = self.wiring
-        ids = {part.component.id: index for index, part in enumerate(self._ordered())}
+        plan = None
+        if wiring.likeness is not None and not any(
+                self.resolved[part.component.id.casefold()].sources for part in wiring.parts):
+            plan = _known_plan(_Drawing(
+                likeness=wiring.likeness, wiring=wiring, resolved=self.resolved))
+        plan = plan or self.plan()
+        symbols = tuple([
+            self._symbol(wiring.parts[place], number) for number, place in enumerate(plan.order)])
+        return Aov(rung=wiring.rung.id, comment=wiring.rung.comment, symbols=symbols,
+                   virtuals=plan.virtuals, arcs=plan.arcs)
+
+    def plan(self) -> _Plan:
+        wiring = self.wiring
+        order = self._topological()
+        ids = {part.component.id: index for index, part in enumerate(order)}
         givers: dict[int, list[tuple[int, str]]] = defaultdict(list)
         takers: dict[int, list[tuple[int, str]]] = defaultdict(list)
         for part in wiring.parts:
@@ -101,10 +143,10 @@ class _Builder:
             for start, giver, pin in sources:
                 source = giver if giver >= 0 else virtual[start].id
                 arcs += self._arcs_from(source, pin, start, virtual, takers, lines_out)
-        symbols = tuple(self._symbol(part, ids[part.component.id]) for part in self._ordered())
         arcs.sort(key=lambda arc: (arc.source, arc.target))
-        return Aov(rung=wiring.rung.id, comment=wiring.rung.comment, symbols=symbols,
-                   virtuals=tuple(virtual.values()), arcs=tuple(arcs))
+        place = {part.component.id: index for index, part in enumerate(wiring.parts)}
+        return _Plan(order=tuple(place[part.component.id] for part in order),
+                     virtuals=tuple(virtual.values()), arcs=tuple(arcs))
 
     @staticmethod
     def _arcs_from(
@@ -158,11 +200,6 @@ class _Builder:
             sources=resolved.sources, block=resolved.block)
 
     # -- order ----------------------------------------------------------------------------------
-
-    def _ordered(self) -> list[Part]:
-        if self._order is None:
-            self._order = self._topological()
-        return self._order
 
     def _topological(self) -> list[Part]:
         """Order parts by power flow and data connections, ties by (row, column, id)."""
