@@ -13,8 +13,9 @@ Fails:  A down=both over nothing (L0304); a contact that ends in a free cell (L0
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 from ladder_ros.compiler.wiring import describe, End, Line, Net, Part, Rail, Wiring
 from ladder_ros.diagnostics import Diagnostic, problem
@@ -27,10 +28,14 @@ from ladder_ros.model.component import (
     Component,
     Contact,
     Row,
+    Side,
 )
 from ladder_ros.model.program import Rung
 
 Point = tuple[int, int]
+
+_ALIKE = 4096
+"""So many values that all rungs have alike are made once."""
 
 
 def analyse_connections(
@@ -43,6 +48,16 @@ def analyse_connections(
     """
     analyser = _Analyser(rung=rung, ends_in_output=ends_in_output)
     return analyser.run(), tuple(analyser.found)
+
+
+@lru_cache(_ALIKE)
+def _end(pin: str, net: int) -> End:
+    return End(pin=pin, net=net)
+
+
+@lru_cache(_ALIKE)
+def _net(index: int, x: int, first: int, last: int, vertical: bool, rail: Rail) -> Net:
+    return Net(index=index, x=x, first=first, last=last, vertical=vertical, rail=rail)
 
 
 @dataclass(slots=True, kw_only=True)
@@ -61,9 +76,9 @@ class _Analyser:
         for component in self.rung.components:
             self._add_ends(component)
         self._join_verticals()
-        nets, net_of = self._nets()
-        wiring = self._wiring(nets, net_of)
-        self._check_ends(wiring, net_of)
+        nets, number = self._nets()
+        wiring = self._wiring(nets, number)
+        self._check_ends(wiring, number)
         self._check_power(wiring)
         return wiring
 
@@ -101,11 +116,12 @@ class _Analyser:
     # -- nets by union-find ---------------------------------------------------------------------
 
     def _find(self, node: object) -> object:
-        root = node
-        while self.parent.setdefault(root, root) != root:
-            root = self.parent[root]
-        while self.parent[node] != root:
-            self.parent[node], node = root, self.parent[node]
+        parent = self.parent
+        root = parent.setdefault(node, node)
+        while (above := parent[root]) is not root:
+            root = above
+        while (above := parent[node]) is not root:
+            parent[node], node = root, above
         return root
 
     def _union(self, a: object, b: object) -> None:
@@ -150,6 +166,8 @@ class _Analyser:
                 downs[place.x, bottom].append((component, node))
                 ups[place.x, place.y].append((component, node))
                 continue
+            if place.up is Side.NONE and place.down is Side.NONE:
+                continue
             for x, facing_up, facing_down in (
                 (place.x, place.up.left, place.down.left),
                 (place.x + place.width, place.up.right, place.down.right),
@@ -175,35 +193,32 @@ class _Analyser:
             self.report('L0304', component, describe(component), name=component.id, side=side,
                         remedy=remedy)
 
-    def _nets(self) -> tuple[tuple[Net, ...], Callable[[Point], int]]:
-        left, right = Rail.LEFT.value, Rail.RIGHT.value  # an Enum's hash is slow
-        points: dict[Point, None] = {}
+    def _nets(self) -> tuple[tuple[Net, ...], Mapping[Point, int]]:
+        """Return the nets, and the number of each series end's by its grid point."""
+        left, right = Rail.LEFT, Rail.RIGHT
         for _, is_left, _, point in self.ends:
-            self._find(point)
-            points[point] = None
             if is_left and point[0] == 0:
                 self._union(point, left)
             elif not is_left and point[0] == self.rung.width:
                 self._union(point, right)
         groups: dict[object, list[Point]] = defaultdict(list)
-        for point in sorted(points):
+        for point in sorted({end[3] for end in self.ends}):
             groups[self._find(point)].append(point)
         vertical = {self._find(node) for node in self.vertical}
         rail_of = {self._find(left): Rail.LEFT, self._find(right): Rail.RIGHT}
         ordered = sorted(groups.items(), key=lambda item: (
             rail_of.get(item[0]) is not Rail.LEFT, item[1][0]))
         nets = tuple(
-            Net(index=index, x=group[0][0], first=min(y for _, y in group),
-                last=max(y for _, y in group), vertical=root in vertical,
-                rail=rail_of.get(root, Rail.NONE))
+            _net(index, group[0][0], min([y for _, y in group]), max([y for _, y in group]),
+                 root in vertical, rail_of.get(root, Rail.NONE))
             for index, (root, group) in enumerate(ordered))
-        number = {root: index for index, (root, _) in enumerate(ordered)}
-        return nets, lambda point: number[self._find(point)]
+        number = {point: index for index, (_, group) in enumerate(ordered) for point in group}
+        return nets, number
 
-    def _wiring(self, nets: tuple[Net, ...], net_of: Callable[[Point], int]) -> Wiring:
+    def _wiring(self, nets: tuple[Net, ...], number: Mapping[Point, int]) -> Wiring:
         sides: dict[str, tuple[list[End], list[End]]] = defaultdict(lambda: ([], []))
         for component, is_left, pin, point in self.ends:
-            sides[component.id][0 if is_left else 1].append(End(pin=pin, net=net_of(point)))
+            sides[component.id][0 if is_left else 1].append(_end(pin, number[point]))
         parts, lines = [], []
         for component in self.rung.components:
             if isinstance(component, Column):
@@ -239,13 +254,13 @@ class _Analyser:
 
     # -- what is wrong with the drawing ----------------------------------------------------------
 
-    def _check_ends(self, wiring: Wiring, net_of: Callable[[Point], int]) -> None:
+    def _check_ends(self, wiring: Wiring, number: Mapping[Point, int]) -> None:
         givers = {end.net for part in wiring.parts for end in part.right}
         takers = {end.net for part in wiring.parts for end in part.left}
         givers |= {line.target for line in wiring.lines}
         takers |= {line.source for line in wiring.lines}
         for component, is_left, pin, point in self.ends:
-            net = net_of(point)
+            net = number[point]
             if wiring.nets[net].rail is not Rail.NONE or self._is_outside(component):
                 continue
             if is_left and net not in givers and not isinstance(component, Coil):
@@ -271,14 +286,14 @@ class _Analyser:
             self.found.append(problem(
                 'L0305', self.rung.location, 'lines alone join the rails',
                 reason='put a component into the line; this would be a short circuit'))
-        arcs: list[tuple[int, set[int], set[int], Component]] = [
-            (part.component.placement.x, {e.net for e in part.left}, {e.net for e in part.right},
+        arcs: list[tuple[int, list[int], list[int], Component]] = [
+            (part.component.placement.x, [e.net for e in part.left], [e.net for e in part.right],
              part.component) for part in wiring.parts]
-        arcs += [(line.component.placement.x, {line.source}, {line.target}, line.component)
+        arcs += [(line.component.placement.x, [line.source], [line.target], line.component)
                  for line in wiring.lines]
         for _, sources, targets, component in sorted(arcs, key=lambda arc: arc[0]):
-            if sources & powered:
-                powered |= targets
+            if not powered.isdisjoint(sources):
+                powered.update(targets)
             elif isinstance(component, Coil) and not self._is_outside(component):
                 self.report('L0306', component, describe(component), name=component.id)
         self._check_outputs(wiring, plain)

@@ -29,6 +29,8 @@ class Rail(Enum):
     LEFT = 'left rail'
     RIGHT = 'right rail'
 
+    __hash__ = object.__hash__  # Enum's own is Python code
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Net:

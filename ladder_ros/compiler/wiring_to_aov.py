@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 import heapq
 
 from ladder_ros.compiler.aov import Aov, Arc, SymbolVertex, VirtualVertex
@@ -29,6 +30,9 @@ from ladder_ros.model.component import (
 )
 from ladder_ros.model.types import DataType
 
+_ALIKE = 4096
+"""So many values that all rungs have alike are made once."""
+
 _Node = str | int
 """A part by its casefolded id, or a net by its number."""
 
@@ -43,6 +47,16 @@ def build_aov(
     """
     builder = _Builder(wiring=wiring, resolved=resolved)
     return builder.run(), tuple(builder.found)
+
+
+@lru_cache(_ALIKE)
+def _arc(source: int, target: int, source_pin: str, target_pin: str) -> Arc:
+    return Arc(source=source, target=target, source_pin=source_pin, target_pin=target_pin)
+
+
+@lru_cache(_ALIKE)
+def _virtual(id: int, column: int, first: int, last: int, rail: Rail) -> VirtualVertex:
+    return VirtualVertex(id=id, column=column, first=first, last=last, rail=rail)
 
 
 @dataclass(slots=True, kw_only=True)
@@ -70,19 +84,18 @@ class _Builder:
             lines_out[line.source].append(line.target)
         virtual: dict[int, VirtualVertex] = {}
         for net in wiring.nets:
-            total_in = len(givers[net.index]) + len(lines_in[net.index])
-            total_out = len(takers[net.index]) + len(lines_out[net.index])
+            index = net.index
+            total_in = len(givers[index]) + len(lines_in[index])
+            total_out = len(takers[index]) + len(lines_out[index])
             if net.vertical or net.rail is not Rail.NONE or total_in > 1 or total_out > 1:
-                virtual[net.index] = VirtualVertex(
-                    id=len(ids) + len(virtual), column=net.x, first=net.first, last=net.last,
-                    rail=net.rail)
+                virtual[index] = _virtual(
+                    len(ids) + len(virtual), net.x, net.first, net.last, net.rail)
         arcs: list[Arc] = []
         for net in wiring.nets:
             sources = [(net.index, -1, '')] if net.index in virtual else []
             if sources:
                 own = virtual[net.index].id
-                arcs += [Arc(source=giver, source_pin=pin, target=own)
-                         for giver, pin in givers[net.index]]
+                arcs += [_arc(giver, own, pin, '') for giver, pin in givers[net.index]]
             else:
                 sources = [(net.index, giver, pin) for giver, pin in givers[net.index]]
             for start, giver, pin in sources:
@@ -104,9 +117,9 @@ class _Builder:
         while pending:
             at = pending.pop()
             if at != net and at in virtual:
-                arcs.append(Arc(source=source, source_pin=pin, target=virtual[at].id))
+                arcs.append(_arc(source, virtual[at].id, pin, ''))
                 continue
-            arcs += [Arc(source=source, source_pin=pin, target=taker, target_pin=taker_pin)
+            arcs += [_arc(source, taker, pin, taker_pin)
                      for taker, taker_pin in takers.get(at, ())]
             pending += lines_out.get(at, ())
         return arcs
@@ -190,7 +203,7 @@ class _Builder:
             after[line.source].append(line.target)
         for name, part in parts.items():
             after[name] += [end.net for end in part.right]
-            for net_index in {end.net for end in part.left}:
+            for net_index in dict.fromkeys([end.net for end in part.left]):
                 after[net_index].append(name)
         return after
 

@@ -52,6 +52,8 @@ class ContactKind(Enum):
     RISING = 'rising'
     FALLING = 'falling'
 
+    __hash__ = object.__hash__  # Enum's own is Python code
+
 
 class CoilKind(Enum):
     """IEC 61131-3, table 75: coils."""
@@ -62,6 +64,8 @@ class CoilKind(Enum):
     RESET = 'reset'
     RISING = 'rising'
     FALLING = 'falling'
+
+    __hash__ = object.__hash__  # Enum's own is Python code
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -259,7 +259,7 @@ def rung_text(rung: Rung) -> str:
     """Return a rung as it stands in a file, but for where its state was in earlier programs."""
     components = tuple(
         replace(component, was=())
-        if isinstance(component, (Contact, Coil, Block, Instance)) else component
+        if isinstance(component, (Contact, Coil, Block, Instance)) and component.was else component
         for component in rung.components)
     return '\n'.join(_rung(replace(rung, components=components)))
 

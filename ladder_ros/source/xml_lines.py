@@ -14,6 +14,7 @@ Attributes = list[tuple[str, str]]
 Lines = Iterator[str]
 Content = Union[Lines, 'list[str]']
 
+_PLAIN = re.compile('[A-Za-z0-9_.#%]*')
 _NOT_XML = re.compile('[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
 _ESCAPES = {
     '&': '&amp;', '<': '&lt;', '>': '&gt;', '"': '&quot;', '\t': '&#9;', '\n': '&#10;',
@@ -59,6 +60,8 @@ def element(tag: str, attributes: Attributes, content: Content) -> Lines:
 
 
 def _escape(text: str, special: re.Pattern[str]) -> str:
+    if _PLAIN.fullmatch(text):
+        return text
     if bad := _NOT_XML.search(text):
         raise InternalError(
             'model_to_xml', f'XML has no character U+{ord(bad.group()):04X}', Location())
