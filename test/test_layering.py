@@ -29,8 +29,8 @@ FUNCTION_LINES = 60
 BASE = {'problems', 'diagnostics'}
 DATA = BASE | {'model', 'executable'}
 DOORS = BASE | {
-    'session', 'editing', 'refactoring', 'proving', 'model.types', 'executable', 'runtime.clock',
-    'resources',
+    'session', 'editing', 'refactoring', 'proving', 'comparing', 'model.types', 'executable',
+    'runtime.clock', 'resources',
 }
 MAY_IMPORT: dict[str, set[str]] = {
     '': set(),
@@ -46,13 +46,15 @@ MAY_IMPORT: dict[str, set[str]] = {
     'edit': DATA | {'source', 'blocks', 'compiler'},
     'refactor': DATA | {'source', 'blocks', 'compiler', 'edit'},
     'runtime': BASE | {'model.types', 'executable'},
+    'comparing': DATA | {'source', 'drawing', 'refactor'},
+    'proving_process': {'runtime'},
     # Does for the runtime what the compiler can, in another process.
     'background': DATA | {'source', 'blocks', 'compiler', 'runtime'},
     'session': DATA | {
         'source', 'drawing', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'background',
-        'resources',
+        'resources', 'proving_process',
     },
-    'refactoring': DATA | {'source', 'compiler', 'refactor'},
+    'refactoring': DATA | {'source', 'drawing', 'compiler', 'refactor'},
     'proving': DATA | {'source', 'compiler', 'refactor', 'runtime'},
     'editing': DATA | {'source', 'drawing', 'edit'},
     # What a recording of topics is for a program is the node's to say; that part needs no ROS.

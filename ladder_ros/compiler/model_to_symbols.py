@@ -73,7 +73,7 @@ class _Resolver:
                 self.report('L0201', composite.location, 'a block of the catalogue has this name',
                             name=composite.name)
         tasks = {task.name.casefold() for task in program.tasks}
-        if not program.bodies:
+        if not program.bodies and not program.is_library:
             self.report('L0219', program.location, help=(
                 'it holds function blocks and functions alone; add a program that uses them'
                 if self.imported else None))

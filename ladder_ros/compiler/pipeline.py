@@ -86,6 +86,8 @@ def compile_program(
     stages = analyse(program)
     if has_errors(stages.diagnostics):
         raise LadderError(stages.diagnostics)
+    if not program.bodies:
+        raise LadderError.of('L0219', program.location)
     forests = build_trees(program, stages)
     code = link_code(program, {**lower(forests), **stages.texts})
     verify_il(code)
@@ -131,7 +133,12 @@ def completed(program: Program, *, stubs: bool = False) -> Program:
 
 
 def check_program(program: Program, *, stubs: bool = False) -> tuple[Diagnostic, ...]:
-    """Return everything that is to be said about a program: errors, warnings, hints."""
+    """Return everything that is to be said about a program: errors, warnings, hints.
+
+    A library need not have a body.
+    """
+    if program.is_library:
+        return analyse(program).diagnostics
     try:
         return compile_program(program, stubs=stubs).diagnostics
     except LadderError as error:

@@ -60,7 +60,7 @@ from ladder_ros.model.component import (
     Instance,
     Row,
 )
-from ladder_ros.model.program import Body, CallKind, Pou, Program, Rung
+from ladder_ros.model.program import Body, CallKind, Composite, Pou, Program, Rung
 
 COLUMNS = 11
 """How wide a rung may become (paper 3: eleven columns, the last one for outputs and blocks)."""
@@ -125,6 +125,10 @@ def _pou(program: Program, name: str) -> Pou:
         if pou.name.casefold() == name.casefold():
             if pou.statements:
                 raise LadderError.of('L0626', pou.location, name=pou.name)
+            if isinstance(pou, Composite) and pou.library:
+                raise LadderError.of(
+                    'L0625', pou.location, expected=f'edit the library {pou.library}',
+                    reason=f'{pou.name} belongs to a library')
             return pou
     known = [pou.name for pou in pous]
     raise LadderError.of('L0621', program.location, what='body or composite', name=name,

@@ -92,12 +92,15 @@ def write_program(program: Program) -> str:
 def _program(program: Program) -> Lines:
     texts = {text: print_expression(e) for text, e in program.expressions.items()}
     yield from specification(program.specification)
+    for use in program.uses:
+        yield from element('use', [('library', use.library), ('sha256', use.sha256)], [])
     if program.types:
         yield from element('types', [], (
             line for type_ in program.types for line in _type(type_)))
-    if program.composites:
+    own = [composite for composite in program.composites if not composite.library]
+    if own:
         yield from element('composites', [], (
-            line for composite in program.composites for line in _composite(composite, texts)))
+            line for composite in own for line in _composite(composite, texts)))
     variables = [
         *(line for variable in program.variables if not is_located(variable)
           for line in _variable(variable)), *_blocks(program.blocks)]

@@ -11,6 +11,7 @@ from pathlib import Path
 from ladder_ros.diagnostics import LadderError, Location, problem
 from ladder_ros.model.program import Program
 from ladder_ros.source.import_options import import_options, with_options
+from ladder_ros.source.libraries import with_libraries
 from ladder_ros.source.openplc_files import is_drawn_pou, pou_files, POUS, PROJECT_FILE
 from ladder_ros.source.openplc_to_model import read_openplc
 from ladder_ros.source.plcopen_project import is_project
@@ -46,7 +47,7 @@ def parse_any(data: bytes, file: str = '') -> Program:
             'L0102', Location(file=file), root='<project>', help=(
                 'a PLCopen project has a namespace such as http://www.plcopen.org/xml/tc6_0201, '
                 f'and not {namespace or "none"}'))])
-    return parse_program(data, file)
+    return with_libraries(parse_program(data, file), file)
 
 
 def openplc_folder(path: str) -> Path | None:

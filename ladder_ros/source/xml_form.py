@@ -7,9 +7,10 @@ Whoever reads elements asks a :class:`Form` for their parts; it reports what is 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 import difflib
 from enum import Enum
+from functools import cache
 import math
 import re
 import textwrap
@@ -164,7 +165,7 @@ class Form:
         value = element.attributes.get(attribute)
         if value is None:
             return default
-        known = {str(word.value): word for word in words or type(default)}
+        known: Mapping[str, _Word] = _by_value(words or type(default))
         if value not in known:
             self.bad_value(element, attribute, allowed(value, tuple(known), 'write one of'))
         return known.get(value, default)
@@ -249,6 +250,12 @@ class Form:
     def optional_name(self, element: Element, attribute: str) -> str:
         """Return a name, or nothing."""
         return self.name(element, attribute) if element.attributes.get(attribute) else ''
+
+
+@cache
+def _by_value(words: tuple[_Word, ...] | type[_Word]) -> Mapping[str, _Word]:
+    """Return words by how they are written."""
+    return {str(word.value): word for word in words}
 
 
 def allowed(word: str, known: Iterable[str], verb: str = 'allowed here:') -> str:

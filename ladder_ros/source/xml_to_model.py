@@ -36,6 +36,7 @@ from ladder_ros.model.program import (
     Rung,
     RunKind,
     Task,
+    Use,
     Variable,
     VariableClass,
 )
@@ -119,6 +120,7 @@ class _Reader:
         self.types = TypeReader(self.form, frozenset(_composite_names(element)))
         self.foreign.operands.enumerations = self.types.enumerations
         specification = ''
+        uses: list[Use] = []
         composites: list[Composite] = []
         variables: list[Variable] = []
         tasks: list[Task] = []
@@ -128,6 +130,8 @@ class _Reader:
             match child.tag:
                 case 'specification':
                     specification = self.form.specification(child)
+                case 'use':
+                    uses.append(self.use(child))
                 case 'types':
                     for inner in self.section(child):
                         self.types.declare(inner)
@@ -144,12 +148,27 @@ class _Reader:
                     bodies.append(self.body(child))
         self.check_uses(composites)
         return Program(
-            name=name, bodies=tuple(bodies), composites=tuple(composites),
+            name=name, bodies=tuple(bodies), composites=tuple(composites), uses=tuple(uses),
             variables=(*variables, *self.foreign.operands.located.values()), tasks=tuple(tasks),
             blocks=tuple(blocks), types=tuple(self.types.declared.values()),
             expressions=dict(self.foreign.operands.expressions),
             enumerations=dict(self.types.enumerations), dialect=dialect,
             specification=specification, location=place)
+
+    def use(self, element: Element) -> Use:
+        self.form.count(element, 'libraries', grammar.MAX_LIBRARIES)
+        self.form.check(element, RULES['use'])
+        attributes = element.attributes
+        below = 'write a path below the folder of the program: library/elevator.xml'
+        digits = 'write 16 to 64 hexadecimal digits; ladder library PROGRAM update does'
+        for attribute, form, expected in (
+                ('library', grammar.LIBRARY, below), ('sha256', grammar.HASH, digits)):
+            value = attributes.get(attribute)
+            if value is not None and (
+                    len(value) > grammar.MAX_OPERAND or not form.fullmatch(value)):
+                self.form.bad_value(element, attribute, expected)
+        return Use(library=attributes.get('library', ''), sha256=attributes.get('sha256', ''),
+                   location=self.form.here(element))
 
     def section(self, element: Element) -> Iterator[Element]:
         rule = RULES[element.tag]
