@@ -14,10 +14,11 @@ import os
 
 from ladder_ros.background.process import COMPILER
 from ladder_ros.compiler.dump import dump_stage, STAGES
-from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program, completed
+from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
 from ladder_ros.compiler.program_to_plcopen import write_plcopen
 from ladder_ros.compiler.program_to_st import write_st
-from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError, Location
+from ladder_ros.compiler.program_to_xml import write_xml
+from ladder_ros.diagnostics import Diagnostic, LadderError, Location
 from ladder_ros.executable import Executable
 from ladder_ros.model.program import Program
 from ladder_ros.model.types import Value
@@ -52,7 +53,6 @@ from ladder_ros.runtime.statistics import Statistics
 from ladder_ros.runtime.trace_csv import format_rows, InputTable
 from ladder_ros.runtime.trial import ChangeKind, DEFAULT_OVERRUN_LIMIT, DEFAULT_TIMEOUT
 from ladder_ros.runtime.values import format_value, parse_value
-from ladder_ros.source.model_to_xml import write_program
 from ladder_ros.source.read_any import file_hash, folder_hash, openplc_folder, parse_any, read_any
 from ladder_ros.source.xml_tree import read_file
 
@@ -145,11 +145,7 @@ def export(path: str | os.PathLike[str], to: str) -> str:
         return write_st(program)
     if to == 'il':
         return dump_stage(program, 'il')
-    if program.dialect != 'native':
-        program = completed(program)
-        if has_errors(found := check_program(program)):
-            raise LadderError(found)
-    return write_program(program)
+    return write_xml(program)
 
 
 def compile_file(path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -> Loaded:

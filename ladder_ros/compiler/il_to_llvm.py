@@ -451,8 +451,8 @@ class ChunkEmitter:
         state = [self._step_value(*typed) for typed in zip(before, types, strict=True)]
         after = inline_step(
             builder, FUNCTION_BLOCKS[call.name], [Val('%now', 'i64'), *inputs, *state])
-        for pin, index, old, new in zip(kind.state, fields, before, after, strict=True):
-            otherwise = builder.false if pin.name == 'ENO' else old
+        for own, index, old, new in zip(kind.state, fields, before, after, strict=True):
+            otherwise = builder.false if own.name == 'ENO' else old
             self._store(index, builder.select(enabled, self._of_step(new, old.ir), otherwise))
         if kind.is_timer:
             self.timers.add(self.memory.slots[f'{call.instance}.%running'.casefold()])
