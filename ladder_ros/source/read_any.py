@@ -74,3 +74,12 @@ def folder_hash(folder: Path) -> str:
         digest.update(os.fsencode(file.relative_to(folder)) + b'\0%d\0' % len(data))
         digest.update(data)
     return digest.hexdigest()
+
+
+def read_with_hash(path: str | os.PathLike[str]) -> tuple[Program, str]:
+    """Return a program and the SHA-256 of the very bytes that it was read from."""
+    folder = openplc_folder(os.fspath(path))
+    if folder is not None:
+        return read_any(path), folder_hash(folder)
+    data = read_file(path)
+    return parse_any(data, os.fspath(path)), file_hash(data, os.fspath(path))
