@@ -21,7 +21,7 @@ from ladder_ros.drawing.program_html import program_html, Report
 from ladder_ros.drawing.program_svg import program_svg, ProgramStyle
 from ladder_ros.drawing.rung_text import draw_program, Style
 from ladder_ros.drawing.sketch import chosen_pous
-from ladder_ros.model.program import Pou, Program
+from ladder_ros.model.program import Pou, Program, Rung
 from ladder_ros.refactor.cross_reference import cross_reference
 from ladder_ros.refactor.metrics import Granularity, measure, Metrics
 from ladder_ros.source.read_any import read_any, read_with_hash
@@ -58,16 +58,31 @@ def as_svg(
 def as_html(path: str | os.PathLike[str]) -> str:
     """Return a report of a whole program as one page, with its mistakes if it has some.
 
-    Raises LadderError if the file cannot be read, or an imported drawing not be drawn.
+    What an imported program's errors keep from being drawn is left out.  Raises LadderError if
+    the file cannot be read.
     """
     program, source_hash = read_with_hash(path)
     diagnostics = check_program(program)
     metrics = measure(program)
     return program_html(Report(
-        program=with_drawings(program), diagnostics=diagnostics,
+        program=_as_drawn(program), diagnostics=diagnostics,
         facts=_facts(os.path.basename(os.fspath(path)), source_hash, program, metrics),
         measures={one.name.casefold(): _measures(one) for one in metrics.composites},
         references=cross_reference(program)))
+
+
+def _as_drawn(program: Program) -> Program:
+    try:
+        return with_drawings(program)
+    except LadderError:
+        return replace(
+            program,
+            bodies=tuple(replace(one, rungs=_on_grid(one)) for one in program.bodies),
+            composites=tuple(replace(one, rungs=_on_grid(one)) for one in program.composites))
+
+
+def _on_grid(pou: Pou) -> tuple[Rung, ...]:
+    return tuple(rung for rung in pou.rungs if rung.wires is None)
 
 
 def _facts(

@@ -96,6 +96,18 @@ def test_report_when_there_are_diagnostics_then_they_lead_to_the_rung() -> None:
     assert '&lt;7&gt;' in page
 
 
+def test_report_when_an_imported_program_has_errors_then_it_tells_them_without_drawings(
+    tmp_path: Path,
+) -> None:
+    text = (CASES / 'codesys.xml').read_text(encoding='utf-8')
+    assert 'GVL.xLamp' in text
+    path = tmp_path / 'wrong.xml'
+    path.write_text(text.replace('GVL.xLamp', 'GVL.nowhere'), encoding='utf-8')
+    page = showing.as_html(path)
+    assert 'id="diagnostics"' in page
+    assert dangling(page) == set()
+
+
 @given(programs())
 @settings(max_examples=15, deadline=None, phases=[Phase.generate])
 def test_report_when_the_program_is_random_then_it_is_well_formed_and_links_lead_somewhere(
