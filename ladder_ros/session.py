@@ -20,7 +20,6 @@ from ladder_ros.compiler.program_to_st import write_st
 from ladder_ros.compiler.program_to_xml import write_xml
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location
 from ladder_ros.executable import Executable
-from ladder_ros.model.program import Program
 from ladder_ros.model.types import Value
 from ladder_ros.proving_process import ProverProcess
 from ladder_ros.runtime.assurance import Assurance, Requirement
@@ -53,7 +52,7 @@ from ladder_ros.runtime.statistics import Statistics
 from ladder_ros.runtime.trace_csv import format_rows, InputTable
 from ladder_ros.runtime.trial import ChangeKind, DEFAULT_OVERRUN_LIMIT, DEFAULT_TIMEOUT
 from ladder_ros.runtime.values import format_value, parse_value
-from ladder_ros.source.read_any import file_hash, folder_hash, openplc_folder, parse_any, read_any
+from ladder_ros.source.read_any import file_hash, openplc_folder, read_with_source
 from ladder_ros.source.xml_tree import read_file
 
 __all__ = [
@@ -103,22 +102,13 @@ EXPORTS = ('xml', 'plcopen', 'st', 'il')
 
 # -- looking at a file --------------------------------------------------------------------------
 
-def _read(path: str | os.PathLike[str]) -> tuple[Program, str, bytes]:
-    """Return a program, the SHA-256 of the very bytes it was read from, and a file's bytes."""
-    folder = openplc_folder(os.fspath(path))
-    if folder is not None:
-        return read_any(path), folder_hash(folder), b''
-    data = read_file(path)
-    return parse_any(data, os.fspath(path)), file_hash(data, os.fspath(path)), data
-
-
 def check(path: str | os.PathLike[str]) -> tuple[Diagnostic, ...]:
     """Return everything that is to be said about a program: errors, warnings, hints.
 
     A file that cannot be read is a diagnostic too, not an exception.
     """
     try:
-        program, _, _ = _read(path)
+        program, _, _ = read_with_source(path)
     except LadderError as error:
         return error.diagnostics
     return check_program(program)
@@ -129,7 +119,7 @@ def dump(path: str | os.PathLike[str], stage: str, pou: str | None = None) -> st
 
     Raises LadderError.
     """
-    program, _, _ = _read(path)
+    program, _, _ = read_with_source(path)
     return dump_stage(program, stage, pou)
 
 
@@ -138,7 +128,7 @@ def export(path: str | os.PathLike[str], to: str) -> str:
     if to not in EXPORTS:
         raise LadderError.of(
             'L0510', Location(file=os.fspath(path)), form=to, known=', '.join(EXPORTS))
-    program, _, _ = _read(path)
+    program, _, _ = read_with_source(path)
     if to == 'plcopen':
         return write_plcopen(program)
     if to == 'st':
@@ -150,7 +140,7 @@ def export(path: str | os.PathLike[str], to: str) -> str:
 
 def compile_file(path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -> Loaded:
     """Compile a program file.  Raises LadderError with every error that was found."""
-    program, source_hash, source = _read(path)
+    program, source_hash, source = read_with_source(path)
     compilation = compile_program(program, backend=backend, source_hash=source_hash)
     return Loaded(
         path=os.fspath(path), name=program.name, source_hash=source_hash, source=source,

@@ -15,15 +15,19 @@ import json
 import os
 
 from ladder_ros.compiler.dump import require_pou, with_drawings
+from ladder_ros.compiler.pipeline import check_program
 from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.drawing.program_html import program_html, Report
 from ladder_ros.drawing.program_svg import program_svg, ProgramStyle
 from ladder_ros.drawing.rung_text import draw_program, Style
 from ladder_ros.drawing.sketch import chosen_pous
-from ladder_ros.model.program import Program
-from ladder_ros.source.read_any import read_any
+from ladder_ros.model.program import Pou, Program, Rung
+from ladder_ros.refactor.cross_reference import cross_reference
+from ladder_ros.refactor.metrics import Granularity, measure, Metrics
+from ladder_ros.source.read_any import read_any, read_with_source
 from ladder_ros.source.xml_tree import read_file
 
-__all__ = ['as_svg', 'as_text']
+__all__ = ['as_html', 'as_svg', 'as_text']
 
 
 def as_text(
@@ -49,6 +53,62 @@ def as_svg(
     """
     style = ProgramStyle() if values is None else read_values(values)
     return program_svg(_drawn(path, pou, rung), pou, rung, replace(style, grid=grid))
+
+
+def as_html(path: str | os.PathLike[str]) -> str:
+    """Return a report of a whole program as one page, with its mistakes if it has some.
+
+    What an imported program's errors keep from being drawn is left out.  Raises LadderError if
+    the file cannot be read.
+    """
+    program, source_hash, _ = read_with_source(path)
+    diagnostics = check_program(program)
+    metrics = measure(program)
+    return program_html(Report(
+        program=_as_drawn(program), diagnostics=diagnostics,
+        facts=_facts(os.path.basename(os.fspath(path)), source_hash, program, metrics),
+        measures={one.name.casefold(): _measures(one) for one in metrics.composites},
+        references=cross_reference(program)))
+
+
+def _as_drawn(program: Program) -> Program:
+    try:
+        return with_drawings(program)
+    except LadderError:
+        return replace(
+            program,
+            bodies=tuple(replace(one, rungs=_on_grid(one)) for one in program.bodies),
+            composites=tuple(replace(one, rungs=_on_grid(one)) for one in program.composites))
+
+
+def _on_grid(pou: Pou) -> tuple[Rung, ...]:
+    return tuple(rung for rung in pou.rungs if rung.wires is None)
+
+
+def _facts(
+    file: str, source_hash: str, program: Program, metrics: Metrics,
+) -> list[tuple[str, str]]:
+    """Return what the header of a report says."""
+    pous: list[Pou] = [*program.bodies, *program.composites]
+    counts = metrics.counts
+    size = (f'bodies {len(program.bodies)}, composites {len(program.composites)}, '
+            f'variables {len(program.variables)}')
+    settings = (f'components {counts.components}, parameter settings {counts.parameters}, '
+                f'connection settings {counts.connections}')
+    orders = ', '.join(dict.fromkeys(
+        rung.order.value for pou in pous for rung in pou.rungs)) \
+        if program.dialect != 'native' else 'rung by rung'
+    return [
+        ('file', file), ('SHA-256', source_hash), ('dialect', program.dialect),
+        ('order of evaluation', orders or 'as written'),
+        ('size', size), ('metrics', settings),
+    ]
+
+
+def _measures(one: Granularity) -> str:
+    pays = 'never' if one.break_even is None else f'from {one.break_even} uses'
+    return (f'components/parameter/connection settings: {one.members} drawn, {one.instance} in '
+            f'use; {one.uses} uses save {one.saved}; pays {pays}; {one.hidden:.1%} hidden')
 
 
 def _drawn(path: str | os.PathLike[str], pou: str | None, rung: str | None) -> Program:

@@ -10,7 +10,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from support.documents import ROOT
+from support.documents import compare, ROOT
 from support.plcopen import CASES
 
 from ladder_ros import showing
@@ -89,3 +89,20 @@ def test_show_when_written_as_svg_then_the_file_is_told(
     assert main(['show', str(START_STOP), '--svg', str(target), '--json']) == 0
     assert json.loads(capsys.readouterr().out)['output'] == str(target)
     assert components(target.read_text(encoding='utf-8'))
+
+
+@pytest.mark.parametrize(('name', 'program', 'pou', 'rung', 'values'), [
+    ('seal_in', 'start_stop', None, '1', None),
+    ('composite', 'traffic_light', 'main', '2', None),
+    ('power', 'start_stop', None, '1', '{"start": 0, "motor": 1, "stop": 0, "overload": 0}'),
+])
+def test_picture_in_the_docs_when_drawn_again_then_it_is_the_same(
+    name: str, program: str, pou: str | None, rung: str, values: str | None, tmp_path: Path,
+    request: pytest.FixtureRequest,
+) -> None:
+    file = None
+    if values is not None:
+        file = tmp_path / 'values.json'
+        file.write_text(values)
+    compare(ROOT / 'docs' / 'pictures' / f'{name}.svg',
+            showing.as_svg(PROGRAMS / f'{program}.xml', pou, rung, values=file), request)

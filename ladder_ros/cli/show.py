@@ -20,6 +20,10 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         '--ascii', action='store_true',
         help='draw with ASCII characters (by itself where the terminal has no others)')
     form.add_argument('--svg', metavar='FILE', help='draw into this SVG file')
+    form.add_argument(
+        '--html', metavar='FILE',
+        help='write a report of the whole program into this file: tasks, variables and where they '
+             'are used, all rungs')
     parser.add_argument(
         '--grid', action='store_true',
         help='number the grid lines and rows, to find the cells that diagnostics name')
@@ -38,6 +42,8 @@ def _run(args: argparse.Namespace) -> Answer:
         picture = showing.as_svg(
             program, args.pou, args.rung, grid=args.grid, values=args.values)
         return Answer(text=[picture], output=args.svg, is_data=True)
+    if args.html is not None:
+        return Answer(text=[showing.as_html(program)], output=args.html, is_data=True)
     to_terminal = args.output is None and not args.json
     ascii_only = args.ascii or (to_terminal and not shows_box_characters())
     drawing = showing.as_text(
@@ -47,9 +53,10 @@ def _run(args: argparse.Namespace) -> Answer:
 
 VERB = Verb(
     name='show',
-    summary='draw the rungs in text or as SVG',
+    summary='draw the rungs in text or as SVG, or write a report',
     description='Draw the rungs of a program, or of one of its bodies or composites. Wrong '
                 'drawings are drawn too, with what is connected to nothing marked.',
     examples=('show elevator_3_floor.xml', 'show elevator_3_floor.xml --pou FloorIndicator --grid',
-              'show start_stop --ascii', 'show start_stop --svg start_stop.svg'),
+              'show start_stop --ascii', 'show start_stop --svg start_stop.svg',
+              'show elevator_3_floor --html elevator.html'),
     add_arguments=_add_arguments, run=_run)

@@ -88,11 +88,12 @@ PLAIN = SvgStyle()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Picture:
-    """SVG elements and the size of what they draw, in pixels."""
+    """SVG elements and the size of what they draw, in pixels; ``drawn`` component ids."""
 
     width: int
     height: int
     elements: tuple[str, ...]
+    drawn: tuple[str, ...] = ()
 
 
 def rung_svg(
@@ -159,7 +160,8 @@ def _framed(
     width = max(width, *(text_width(line) for line in below)) if below else width
     height = after.top + len(below) * LINE + 6
     return Picture(width=sheet.left + (width + 1) * 8 + 8, height=height,
-                   elements=(*lines, *after.lines, '</g>'))
+                   elements=(*lines, *after.lines, '</g>'),
+                   drawn=drawing.components() if drawing is not None else ())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -182,6 +184,11 @@ class _Drawing:
         return cls(
             sketch=sketch, layout=lay_out_sketch(sketch, style.width), style=style, flow=flow,
             crossed=frozenset(crossings(sketch.joints, sketch.grid.rows)))
+
+    def components(self) -> tuple[str, ...]:
+        """Return the ids of the components that have an element of their own."""
+        return tuple(placed.component.id for placed in self.layout.placed
+                     if placed.shape is not None)
 
     def draw(self, sheet: Sheet) -> list[str]:
         """Return the elements: marks below wires, wires below symbols."""

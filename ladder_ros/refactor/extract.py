@@ -35,6 +35,7 @@ from ladder_ros.model.program import (
     Rung,
     Variable,
 )
+from ladder_ros.model.references import Access
 from ladder_ros.refactor.fit import (
     find_pou,
     Fit,
@@ -55,7 +56,6 @@ from ladder_ros.refactor.naming import (
 )
 from ladder_ros.refactor.parts import box_symbol, cut
 from ladder_ros.refactor.places import (
-    Access,
     base,
     is_literal,
     names_in,

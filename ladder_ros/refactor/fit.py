@@ -29,9 +29,10 @@ from ladder_ros.model.program import (
     Variable,
     VariableClass,
 )
+from ladder_ros.model.references import Access
 from ladder_ros.model.types import DataType
 from ladder_ros.refactor.metrics import Counts
-from ladder_ros.refactor.places import Access, names_in
+from ladder_ros.refactor.places import names_in
 from ladder_ros.refactor.shapes import Spot
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from enum import Enum
 import re
 
 from typing_extensions import assert_never
@@ -32,19 +31,11 @@ from ladder_ros.model.component import (
     Row,
 )
 from ladder_ros.model.program import Composite, Direction, Pou, Rung
+from ladder_ros.model.references import Access
 
 _NAME = re.compile(r'[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$')
 _EDGES = (ContactKind.RISING, ContactKind.FALLING, CoilKind.RISING, CoilKind.FALLING)
 _CONSTANTS = ('true', 'false')
-
-
-class Access(Enum):
-    """What a component does with what stands in a place; STATE: it is its own memory."""
-
-    READ = 'reads'
-    WRITE = 'writes'
-    BOTH = 'reads and writes'
-    STATE = 'is'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -82,3 +82,12 @@ def folder_hash(folder: Path) -> str:
         digest.update(os.fsencode(file.relative_to(folder)) + b'\0%d\0' % len(data))
         digest.update(data)
     return digest.hexdigest()
+
+
+def read_with_source(path: str | os.PathLike[str]) -> tuple[Program, str, bytes]:
+    """Return a program, the SHA-256 of the very bytes it was read from, and a file's bytes."""
+    folder = openplc_folder(os.fspath(path))
+    if folder is not None:
+        return read_any(path), folder_hash(folder), b''
+    data = read_file(path)
+    return parse_any(data, os.fspath(path)), file_hash(data, os.fspath(path)), data
