@@ -15,7 +15,8 @@ layout, ``other`` to one with one variable and one rung more.
 
 ``--deadlines`` compares missed deadlines of a program of 1,000 rungs every millisecond: idle,
 beside another process that computes at a low priority, while programs are compiled for it and put
-in place without a break, and while compiled ones are; in turns, to meet the same machine.
+in place without a break, and while compiled ones are; in turns, to meet the same machine.  It also
+tells what was missed though the scan thread did not wait for a processor (Linux counts that).
 
 ``--soak`` swaps ever so often under a load of written inputs, and tells scans, gaps, memory and
 whether an output that both programs hold at TRUE was ever told to be something else.
@@ -74,9 +75,14 @@ def program(rungs: int, *, extra: bool = False, turned: bool = False) -> str:
 
 
 class Gaps:
-    """Listens to scans: gaps between them, and whether a held output ever was not."""
+    """Listens to scans: gaps between them, and whether a held output ever was not.
 
-    def __init__(self) -> None:
+    With ``causes`` also how many deadlines (of every millisecond) were missed though the scan
+    thread, by the kernel's account, did not wait for a processor (Linux).
+    """
+
+    def __init__(self, *, causes: bool = False) -> None:
+        self._causes = causes
         self.clear()
         self.is_held = False
 
@@ -86,9 +92,20 @@ class Gaps:
         self.count = 0
         self.last = 0
         self.glitches = 0
+        self.own = 0
+        self._waited: int | None = None
+
+    def _judge(self, gap: int) -> None:
+        """Count what was missed in a gap without waiting for a processor."""
+        text = Path('/proc/thread-self/schedstat').read_text(encoding='ascii')
+        before, self._waited = self._waited, int(text.split()[1])
+        if before is not None:
+            self.own += max(round((gap - (self._waited - before)) / MS) - 1, 0)
 
     def __call__(self, result: ScanResult) -> None:
         now = time.monotonic_ns() - result.execution_ns
+        if self.last and self._causes:
+            self._judge(now - self.last)
         if self.last:
             self.gaps[self.count % ROOM] = now - self.last
             self.count += 1
@@ -201,8 +218,9 @@ def deadlines(folder: Path, rounds: int, seconds: float = 2.0) -> dict[str, list
     """Return missed deadlines a thousand scans, a number a round, by what happens beside."""
     paths = [folder / 'a.xml', folder / 'b.xml']
     numbers = itertools.count()
-    gaps = Gaps()
+    gaps = Gaps(causes=True)
     found: dict[str, list[float]] = {}
+    own: dict[str, list[float]] = {}
 
     def write(path: Path, extra: bool) -> Path:
         path.write_text(program(1000, extra=extra) + f'<!-- {next(numbers)} -->')
@@ -244,13 +262,16 @@ def deadlines(folder: Path, rounds: int, seconds: float = 2.0) -> dict[str, list
                     count += 1
                 row = measured(session, gaps, 1000, 1, name, [])
                 found.setdefault(name, []).append(1000 * row.missed / row.scans)
+                own.setdefault(name, []).append(1000 * gaps.own / row.scans)
                 if beside is not None:
                     beside.kill()
                     beside.wait()
-                print(f'{name:>22}{row.scans:>7} scans{row.missed:>6} missed'
-                      f'{row.longest_gap_ms:>8.1f} ms longest{count:>6} times', flush=True)
-    print('missed a thousand scans: ' + ', '.join(
-        f'{name} {median(values):.1f}' for name, values in found.items()))
+                print(f'{name:>22}{row.scans:>7} scans{row.missed:>6} missed, {gaps.own:>4} not '
+                      f'for want of a processor{row.longest_gap_ms:>8.1f} ms longest'
+                      f'{count:>6} times', flush=True)
+    for what, numbers in (('missed', found), ('not for want of a processor', own)):
+        print(f'{what}, a thousand scans: ' + ', '.join(
+            f'{name} {median(values):.1f}' for name, values in numbers.items()))
     return found
 
 

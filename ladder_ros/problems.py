@@ -65,10 +65,12 @@ _FILES = (
            'give it an interval, such as T#10ms, or the variable whose rise runs it: single'),
     _error('L0115', 'the import options cannot be used: {reason}',
            'write for instance {{"order": "position-kind", "stubs": true}}; orders: {orders}'),
+    _error('L0116', '<{element}> cannot stand in {where}', '{expected}'),
     _error('L0120', 'this is no Structured Text: {what} (column {column})', '{expected}'),
     _error('L0121', 'the Structured Text is too large: {what}',
            'at most {limit}; split it, or put parts of it into variables or POUs of their own'),
-    _error('L0122', 'code in C cannot run here', 'write the pragma {{...}} in Structured Text'),
+    _error('L0122', 'code in C cannot run here',
+           'write in Structured Text what the pragma {{...}} does'),
     _warning('L0130', 'the file departs from PLCopen TC6: {what}', 'it is read as {read}'),
     _warning('L0131', 'a wire comes from nothing: {source}: {reason}',
              'the wire is left out; draw it again in the editor'),
@@ -239,7 +241,7 @@ _ROS = (
 )
 
 _EDITING = (
-    _error('L0620', 'rung {rung} has no drawing with its order of evaluation',
+    _error('L0620', 'no drawing of rung {rung} was found that has its order of evaluation',
            'break the loop of data connections in it, or split the rung'),
     _error('L0621', 'there is no {what} {name}', 'known here: {known}{hint}'),
     _error('L0622', 'rung {rung} would become {width} columns wide',
@@ -256,6 +258,7 @@ _REFACTORING = (
     _error('L0631', '{what} cannot become a composite: {reason}',
            'choose more or less of the drawing, or change it so that this is not so'),
     _error('L0632', '{name} cannot be used as a name: {reason}', 'choose another name'),
+    _error('L0633', 'the library {name} cannot be used: {reason}', '{expected}'),
     _error('L0634', '{name} cannot be drawn out: {reason}',
            'leave it as it is, or draw its contents here by hand'),
     _error('L0635', 'rung {rung} cannot be {what}: {reason}', 'change the drawing first'),
@@ -266,6 +269,9 @@ _PROVING = (
             'install it: pip install z3-solver, or on Ubuntu apt install python3-z3'),
     _error('L0671', 'nothing to prove, or too much at once',
            'give a second program, or else properties with --never and --always'),
+    _error('L0673', 'two programs are compared, {count} were given', 'write: ladder diff OLD NEW'),
+    _error('L0672', 'the change is not made: {reason}',
+           'prove and try the program before, or set change.require to report or nothing'),
 )
 
 PROBLEMS: Mapping[str, Problem] = {

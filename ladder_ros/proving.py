@@ -9,10 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+import json
 import os
+import pickle
+import sys
 import time
 
 from ladder_ros.compiler.pipeline import compile_program
+from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Executable, Slot
 from ladder_ros.model.program import Program
 from ladder_ros.model.types import NS_PER_MS, Value
@@ -29,7 +33,7 @@ from ladder_ros.runtime.state_plan import plan_state
 from ladder_ros.runtime.tasks import make_tasks
 from ladder_ros.runtime.trace_csv import format_rows
 from ladder_ros.runtime.values import format_value
-from ladder_ros.source.read_any import read_any
+from ladder_ros.source.read_any import parse_any, read_any
 
 __all__ = [
     'DEFAULT_DEPTH',
@@ -45,6 +49,7 @@ __all__ = [
 DEFAULT_DEPTH = 20
 """Scans that are unrolled."""
 DEFAULT_TIMEOUT_S = 60.0
+_NICE = 19
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -287,3 +292,21 @@ def _table(executable: Executable, rows: tuple[Mapping[int, Value], ...]) -> Ite
     """Yield the lines of the inputs as CSV."""
     slots = [executable.slots[index] for index in sorted(rows[0])] if rows else []
     return format_rows(slots, ([row[slot.index] for slot in slots] for row in rows))
+
+
+# -- as a process of its own --------------------------------------------------------------------
+
+def main() -> None:
+    """Read a request (two files and a time limit, see `proving_process`); print the answer."""
+    if hasattr(os, 'nice'):
+        os.nice(_NICE)
+    old, new, timeout_s = pickle.load(sys.stdin.buffer)
+    try:
+        found = prove_programs(parse_any(*old), parse_any(*new), timeout_s=timeout_s).to_json()
+    except LadderError as error:
+        found = {'answer': 'unknown', 'reason': error.diagnostics[0].message}
+    print(json.dumps(found))
+
+
+if __name__ == '__main__':
+    main()

@@ -9,12 +9,14 @@ a file.  Mistakes of the user raise :class:`~ladder_ros.diagnostics.LadderError`
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 import os
 
-from ladder_ros.compiler.pipeline import compile_program
-from ladder_ros.diagnostics import LadderError
-from ladder_ros.model.program import Program
+from ladder_ros.compiler.pipeline import check_program, compile_program
+from ladder_ros.diagnostics import has_errors, LadderError
+from ladder_ros.drawing.rung_text import draw_program, Style
+from ladder_ros.model.program import Composite, Program
+from ladder_ros.refactor import library
 from ladder_ros.refactor.auto import refactor
 from ladder_ros.refactor.clones import find_repeats, MOST_PARAMETERS, Repeat
 from ladder_ros.refactor.inline import inline_composite, inline_instance
@@ -35,9 +37,18 @@ from ladder_ros.refactor.select import (
     require_rung,
 )
 from ladder_ros.refactor.split import merge_rungs, split_rung
+from ladder_ros.refactor.unused import forget as forget_in
 from ladder_ros.refactor.unused import remove_unused as remove_unused_from
+from ladder_ros.source.libraries import (
+    find_library,
+    HASH_DIGITS,
+    version_of,
+    with_libraries,
+)
 from ladder_ros.source.model_to_xml import write_program
 from ladder_ros.source.read_any import read_any
+from ladder_ros.source.xml_to_model import parse_program
+from ladder_ros.source.xml_tree import read_file
 
 __all__ = [
     'DEFAULT_RUNS',
@@ -48,15 +59,23 @@ __all__ = [
     'LoadTime',
     'Measured',
     'Repeat',
+    'Viewed',
+    'add_composites',
     'auto',
+    'export_composites',
     'extract',
     'find',
+    'forget',
     'inline',
+    'list_composites',
     'measure_files',
     'merge',
     'remove_unused',
     'rename',
     'split',
+    'update_libraries',
+    'use_library',
+    'view_composite',
 ]
 
 
@@ -183,6 +202,11 @@ def remove_unused(path: str | os.PathLike[str]) -> Edit:
     return _edit(program, (f'removed {what}' for what in removed))
 
 
+def forget(path: str | os.PathLike[str]) -> Edit:
+    """Remove where state was: for when no running program is older than this one."""
+    return _edit(forget_in(_own(path)), ['removed where state was'])
+
+
 def split(path: str | os.PathLike[str], *, pou: str, rung: str) -> Edit:
     """Split a rung into the drawings in it that have only the power rails in common."""
     before = _own(path)
@@ -198,13 +222,102 @@ def merge(path: str | os.PathLike[str], *, pou: str, rungs: Sequence[str]) -> Ed
     return _edit(merge_rungs(before, found, chosen), [f'merged rungs {", ".join(rungs)}'])
 
 
+# -- libraries ------------------------------------------------------------------------------------
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Viewed:
+    """A composite as paper 1's component viewer shows it; ``drawing`` are its rungs in text."""
+
+    name: str
+    category: str
+    call: str
+    specification: str
+    interfaces: tuple[tuple[str, str, str, str], ...]
+    """Kind, name, state or type, and comment of each."""
+    granularity: Granularity
+    drawing: str
+
+    def to_json(self) -> dict[str, object]:
+        """Return it as plain JSON data."""
+        keys = ('kind', 'name', 'state', 'comment')
+        return {
+            'name': self.name, 'category': self.category, 'call': self.call,
+            'specification': self.specification,
+            'interfaces': [dict(zip(keys, row, strict=True)) for row in self.interfaces],
+            'granularity': self.granularity.to_json()}
+
+
+def list_composites(
+    path: str | os.PathLike[str], words: Sequence[str] = (),
+) -> tuple[Composite, ...]:
+    """Return the composites of a library or program, or those that are said to be all the words.
+
+    A word may stand in the name, category, specification, or a parameter's name or comment.
+    """
+    return library.search(_own(path), words)
+
+
+def view_composite(path: str | os.PathLike[str], name: str, *, ascii_only: bool = False) -> Viewed:
+    """Return everything about one composite."""
+    program = _own(path)
+    composite = require_composite(program, name)
+    measured = {one.name: one for one in measure(program).composites}
+    return Viewed(
+        name=composite.name, category=composite.category, call=composite.call.value,
+        specification=composite.specification, granularity=measured[composite.name],
+        interfaces=tuple(
+            (found.kind.value, found.name, found.state, comment)
+            for found, comment in library.interfaces(composite)),
+        drawing=draw_program(program, composite.name, Style(ascii_only=ascii_only)))
+
+
+def export_composites(path: str | os.PathLike[str], name: str = '') -> Edit:
+    """Return a library of one composite and those in it, or of all."""
+    taken = library.take_out(_own(path), name)
+    return _edit(taken, (f'took out {composite.name}' for composite in taken.composites))
+
+
+def add_composites(path: str | os.PathLike[str], added: str | os.PathLike[str]) -> Edit:
+    """Return a library or program with the composites of another file."""
+    program, names = library.put_in(_own(path), _own(added))
+    return _edit(program, (f'added {name}' for name in names))
+
+
+def use_library(path: str | os.PathLike[str], name: str) -> Edit:
+    """Return a program that uses a library; its composites that are the same come from there."""
+    program = _own(path)
+    found = find_library(name, os.fspath(path), program.location)
+    offered = read_any(found)
+    changed, moved = library.use(program, offered, name, version_of(found))
+    return _edit(changed, (f'{composite} comes from {name}' for composite in moved))
+
+
+def update_libraries(path: str | os.PathLike[str]) -> Edit:
+    """Return a program that uses its libraries as they are now."""
+    name = os.fspath(path)
+    program = parse_program(read_file(path), name)
+    versions = [version_of(find_library(use.library, name, use.location))
+                for use in program.uses]
+    uses = tuple(replace(use, sha256=version)
+                 for use, version in zip(program.uses, versions, strict=True))
+    changed = [use.library for use, version in zip(program.uses, versions, strict=True)
+               if use.sha256[:HASH_DIGITS] != version]
+    updated = replace(program, uses=uses)
+    found = check_program(with_libraries(updated, name))
+    if has_errors(found):
+        raise LadderError(found)
+    return _edit(updated, (f'{one} is another version' for one in changed))
+
+
 def _own(path: str | os.PathLike[str]) -> Program:
     """Read a program of our own format that has no errors.  Raises LadderError otherwise."""
     program = read_any(path)
     if program.dialect != 'native':
         raise LadderError.of('L0511', program.location, form='xml',
                              what='a program that was drawn elsewhere')
-    compile_program(program)
+    found = check_program(program)
+    if has_errors(found):
+        raise LadderError(found)
     return program
 
 

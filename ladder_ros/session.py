@@ -13,13 +13,16 @@ from datetime import datetime, timezone
 import os
 
 from ladder_ros.background.process import COMPILER
-from ladder_ros.compiler.dump import dump_stage, require_pou, STAGES
+from ladder_ros.compiler.dump import dump_stage, STAGES
 from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
 from ladder_ros.compiler.program_to_plcopen import write_plcopen
 from ladder_ros.compiler.program_to_st import write_st
+from ladder_ros.compiler.program_to_xml import write_xml
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location
 from ladder_ros.executable import Executable
 from ladder_ros.model.types import Value
+from ladder_ros.proving_process import ProverProcess
+from ladder_ros.runtime.assurance import Assurance, Requirement
 from ladder_ros.runtime.change_desk import ChangeDesk
 from ladder_ros.runtime.changes import Change, Loaded
 from ladder_ros.runtime.clock import Clock, MonotonicClock
@@ -49,7 +52,6 @@ from ladder_ros.runtime.statistics import Statistics
 from ladder_ros.runtime.trace_csv import format_rows, InputTable
 from ladder_ros.runtime.trial import ChangeKind, DEFAULT_OVERRUN_LIMIT, DEFAULT_TIMEOUT
 from ladder_ros.runtime.values import format_value, parse_value
-from ladder_ros.source.model_to_xml import write_program
 from ladder_ros.source.read_any import file_hash, openplc_folder, read_with_hash
 from ladder_ros.source.xml_tree import read_file
 
@@ -69,6 +71,7 @@ __all__ = [
     'Preflight',
     'RecordSummary',
     'ReplayResult',
+    'Requirement',
     'ScanResult',
     'Session',
     'ShadowStatus',
@@ -105,7 +108,7 @@ def check(path: str | os.PathLike[str]) -> tuple[Diagnostic, ...]:
     A file that cannot be read is a diagnostic too, not an exception.
     """
     try:
-        program, _ = read_with_hash(path)
+        program, _, _ = read_with_hash(path)
     except LadderError as error:
         return error.diagnostics
     return check_program(program)
@@ -116,8 +119,7 @@ def dump(path: str | os.PathLike[str], stage: str, pou: str | None = None) -> st
 
     Raises LadderError.
     """
-    program, _ = read_with_hash(path)
-    require_pou(program, pou)
+    program, _, _ = read_with_hash(path)
     return dump_stage(program, stage, pou)
 
 
@@ -126,25 +128,22 @@ def export(path: str | os.PathLike[str], to: str) -> str:
     if to not in EXPORTS:
         raise LadderError.of(
             'L0510', Location(file=os.fspath(path)), form=to, known=', '.join(EXPORTS))
-    program, _ = read_with_hash(path)
+    program, _, _ = read_with_hash(path)
     if to == 'plcopen':
         return write_plcopen(program)
     if to == 'st':
         return write_st(program)
     if to == 'il':
         return dump_stage(program, 'il')
-    if program.dialect != 'native':
-        raise LadderError.of('L0511', program.location, form='xml',
-                             what='a program that was drawn elsewhere')
-    return write_program(program)
+    return write_xml(program)
 
 
 def compile_file(path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -> Loaded:
     """Compile a program file.  Raises LadderError with every error that was found."""
-    program, source_hash = read_with_hash(path)
+    program, source_hash, source = read_with_hash(path)
     compilation = compile_program(program, backend=backend, source_hash=source_hash)
     return Loaded(
-        path=os.fspath(path), name=program.name, source_hash=source_hash,
+        path=os.fspath(path), name=program.name, source_hash=source_hash, source=source,
         executable=compilation.executable, diagnostics=compilation.diagnostics)
 
 
@@ -198,7 +197,7 @@ class Session:
         """
         self._controller = Controller(clock, COMPILER if background else None)
         self._controller.set_interval(interval_ns)
-        self._desk = ChangeDesk(self._controller, _stamp)
+        self._desk = ChangeDesk(self._controller, _stamp, Assurance(ProverProcess()))
         self._controller.add_state_listener(self._on_state)
         self._is_real = isinstance(self._controller.clock, MonotonicClock)
         self._background = background
@@ -210,6 +209,11 @@ class Session:
                 self._controller, os.fspath(retain_path), retain_period_s, _stamp)
 
     # The program
+
+    @property
+    def assurance(self) -> Assurance:
+        """What must be proved of a program before a change to it; see ``requirement`` there."""
+        return self._desk.assurance
 
     @property
     def loaded(self) -> Loaded | None:
@@ -279,14 +283,15 @@ class Session:
         source_hash = file_hash(data, os.fspath(path))
         if before is not None and (before.source_hash, before.backend) == (source_hash, backend):
             return Loaded(path=os.fspath(path), name=before.name, source_hash=source_hash,
-                          executable=before.executable, diagnostics=before.diagnostics)
+                          executable=before.executable, diagnostics=before.diagnostics,
+                          source=data)
         with giving_way(self.interval_ns):
             compilation = COMPILER.compile(
                 data, os.fspath(path), backend=backend, timeout=timeout_s,
                 breathe=self._controller.breathe)
         return Loaded(
             path=os.fspath(path), name=compilation.executable.name, source_hash=source_hash,
-            executable=compilation.executable, diagnostics=compilation.diagnostics)
+            executable=compilation.executable, diagnostics=compilation.diagnostics, source=data)
 
     def load(self, path: str | os.PathLike[str], backend: str | None = None) -> Change:
         """Compile a program and put it in the place of the present one; see :meth:`commit`."""
@@ -448,6 +453,7 @@ class Session:
     def close(self) -> None:
         """Stop; end recordings; save retained values."""
         self.end_record()
+        self.assurance.close()
         self._controller.stop()
         if self._retention is not None:
             self._retention.close()

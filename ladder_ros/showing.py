@@ -61,7 +61,7 @@ def as_html(path: str | os.PathLike[str]) -> str:
     What an imported program's errors keep from being drawn is left out.  Raises LadderError if
     the file cannot be read.
     """
-    program, source_hash = read_with_hash(path)
+    program, source_hash, _ = read_with_hash(path)
     diagnostics = check_program(program)
     metrics = measure(program)
     return program_html(Report(

@@ -35,6 +35,9 @@ if TYPE_CHECKING:
 README = ROOT / 'README.md'
 PIPELINE = ROOT / 'docs' / 'pipeline.md'
 EDITING = ROOT / 'docs' / 'editing.md'
+REFACTORING = ROOT / 'docs' / 'refactoring.md'
+SHOWING = [README, PIPELINE, EDITING, REFACTORING, ROOT / 'docs' / 'diff.md',
+           ROOT / 'docs' / 'proving.md']
 PAGES = sorted([README, ROOT / 'CONTRIBUTING.md', *(ROOT / 'docs').rglob('*.md')])
 
 
@@ -66,7 +69,7 @@ def rows(page: str, heading: str) -> list[list[str]]:
 
 # -- what the pages show --------------------------------------------------------------------------
 
-@pytest.mark.parametrize('path', [README, PIPELINE, EDITING], ids=name_of)
+@pytest.mark.parametrize('path', SHOWING, ids=name_of)
 def test_page_when_its_commands_are_run_then_it_shows_what_they_print(
     path: Path, tmp_path: Path, request: pytest.FixtureRequest,
 ) -> None:

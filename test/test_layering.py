@@ -26,16 +26,17 @@ MODULE_LINES = 600
 FUNCTION_LINES = 60
 
 # What a room may import of the package, as module prefixes; its own modules it may always import.
-BASE = {'problems', 'diagnostics'}
+BASE = {'problems', 'diagnostics', 'garbage'}
 DATA = BASE | {'model', 'executable'}
 DOORS = BASE | {
-    'session', 'editing', 'refactoring', 'proving', 'showing', 'model.types', 'executable',
-    'runtime.clock', 'resources',
+    'session', 'editing', 'refactoring', 'proving', 'comparing', 'showing', 'model.types',
+    'executable', 'runtime.clock', 'resources',
 }
 MAY_IMPORT: dict[str, set[str]] = {
     '': set(),
     'problems': set(),
     'resources': set(),
+    'garbage': set(),
     'diagnostics': {'problems'},
     'model': BASE,
     'source': BASE | {'model'},
@@ -46,13 +47,15 @@ MAY_IMPORT: dict[str, set[str]] = {
     'edit': DATA | {'source', 'blocks', 'compiler'},
     'refactor': DATA | {'source', 'blocks', 'compiler', 'edit'},
     'runtime': BASE | {'model.types', 'executable'},
+    'comparing': DATA | {'source', 'drawing', 'refactor'},
+    'proving_process': {'runtime'},
     # Does for the runtime what the compiler can, in another process.
     'background': DATA | {'source', 'blocks', 'compiler', 'runtime'},
     'session': DATA | {
         'source', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'background',
-        'resources',
+        'resources', 'proving_process',
     },
-    'refactoring': DATA | {'source', 'compiler', 'refactor'},
+    'refactoring': DATA | {'source', 'drawing', 'compiler', 'refactor'},
     'proving': DATA | {'source', 'compiler', 'refactor', 'runtime'},
     'showing': DATA | {'source', 'drawing', 'compiler', 'refactor'},
     'editing': DATA | {'source', 'drawing', 'edit'},

@@ -25,9 +25,11 @@ import traceback
 import ladder_ros
 from ladder_ros.cli import (
     check,
+    diff,
     dump,
     edit,
     export,
+    library,
     metrics,
     prove,
     record,
@@ -54,7 +56,8 @@ from ladder_ros.diagnostics import InternalError, LadderError, render
 
 VERBS: Mapping[str, Verb] = {
     module.VERB.name: module.VERB for module in (
-        check, show, dump, simulate, export, edit, metrics, refactor, prove, record, replay)
+        check, show, dump, simulate, export, edit, metrics, refactor, library, diff, prove, record,
+        replay)
 }
 """The verbs by name, in the order in which they are useful."""
 

@@ -5,46 +5,14 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 
 from ladder_ros import refactoring
-from ladder_ros.cli.programs import find_program
-from ladder_ros.cli.verb import add_json, add_output, Answer, Verb
-from ladder_ros.refactoring import Edit, Repeat
+from ladder_ros.cli.actions import Action, add_actions, edited, run_action
+from ladder_ros.cli.verb import add_output, Answer, Verb
+from ladder_ros.refactoring import Repeat
 
 _Parser = argparse.ArgumentParser
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Action:
-    """One word behind the program: its options, and what it does."""
-
-    summary: str
-    add: Callable[[_Parser], None]
-    run: Callable[[argparse.Namespace], Answer]
-
-
-def _add_arguments(parser: _Parser) -> None:
-    actions = parser.add_subparsers(dest='action', metavar='ACTION', required=True)
-    for name, action in ACTIONS.items():
-        one = actions.add_parser(
-            name, help=action.summary, description=action.summary, allow_abbrev=False)
-        action.add(one)
-        add_json(one)
-
-
-def _run(args: argparse.Namespace) -> Answer:
-    args.program = find_program(args.program)
-    return ACTIONS[args.action].run(args)
-
-
-def _edited(edit: Edit, args: argparse.Namespace) -> Answer:
-    """Answer with the new program, or with what was done to it where that goes to a file."""
-    facts: dict[str, object] = {'action': args.action, 'done': list(edit.done), **edit.facts}
-    if args.output is None:
-        facts['text'] = edit.text
-    return Answer(text=[edit.text], facts=facts, output=args.output, is_data=True)
 
 
 # -- finding --------------------------------------------------------------------------------------
@@ -81,7 +49,7 @@ def _add_auto(parser: _Parser) -> None:
 
 
 def _auto(args: argparse.Namespace) -> Answer:
-    return _edited(
+    return edited(
         refactoring.auto(args.program, most_parameters=args.most_parameters), args)
 
 
@@ -107,7 +75,7 @@ def _add_pou(parser: _Parser) -> None:
 
 
 def _extract(args: argparse.Namespace) -> Answer:
-    return _edited(refactoring.extract(
+    return edited(refactoring.extract(
         args.program, pou=args.pou, rungs=args.rungs, components=args.components,
         name=args.name, everywhere=args.everywhere, category=args.category,
         specification=args.specification), args)
@@ -125,7 +93,7 @@ def _add_inline(parser: _Parser) -> None:
 
 
 def _inline(args: argparse.Namespace) -> Answer:
-    return _edited(refactoring.inline(
+    return edited(refactoring.inline(
         args.program, composite=args.composite, pou=args.pou, instance=args.instance), args)
 
 
@@ -138,12 +106,16 @@ def _add_rename(parser: _Parser) -> None:
 
 
 def _rename(args: argparse.Namespace) -> Answer:
-    return _edited(
+    return edited(
         refactoring.rename(args.program, args.old, args.new, composite=args.composite), args)
 
 
 def _remove_unused(args: argparse.Namespace) -> Answer:
-    return _edited(refactoring.remove_unused(args.program), args)
+    return edited(refactoring.remove_unused(args.program), args)
+
+
+def _forget(args: argparse.Namespace) -> Answer:
+    return edited(refactoring.forget(args.program), args)
 
 
 def _add_split(parser: _Parser) -> None:
@@ -153,7 +125,7 @@ def _add_split(parser: _Parser) -> None:
 
 
 def _split(args: argparse.Namespace) -> Answer:
-    return _edited(refactoring.split(args.program, pou=args.pou, rung=args.rung), args)
+    return edited(refactoring.split(args.program, pou=args.pou, rung=args.rung), args)
 
 
 def _add_merge(parser: _Parser) -> None:
@@ -164,23 +136,25 @@ def _add_merge(parser: _Parser) -> None:
 
 
 def _merge(args: argparse.Namespace) -> Answer:
-    return _edited(refactoring.merge(args.program, pou=args.pou, rungs=args.rungs), args)
+    return edited(refactoring.merge(args.program, pou=args.pou, rungs=args.rungs), args)
 
 
-ACTIONS: Mapping[str, _Action] = {
-    'find': _Action(summary='list what repeats, what saves most first', add=_add_limit, run=_find),
-    'auto': _Action(summary='make composites of what repeats until nothing pays', add=_add_auto,
+ACTIONS: Mapping[str, Action] = {
+    'find': Action(summary='list what repeats, what saves most first', add=_add_limit, run=_find),
+    'auto': Action(summary='make composites of what repeats until nothing pays', add=_add_auto,
                     run=_auto),
-    'extract': _Action(summary='make a composite of rungs or of part of a rung',
+    'extract': Action(summary='make a composite of rungs or of part of a rung',
                        add=_add_extract, run=_extract),
-    'inline': _Action(summary='draw out what instances of composites stand for',
+    'inline': Action(summary='draw out what instances of composites stand for',
                       add=_add_inline, run=_inline),
-    'rename': _Action(summary='rename something everywhere', add=_add_rename, run=_rename),
-    'remove-unused': _Action(summary='remove what nothing uses', add=add_output,
+    'rename': Action(summary='rename something everywhere', add=_add_rename, run=_rename),
+    'remove-unused': Action(summary='remove what nothing uses', add=add_output,
                              run=_remove_unused),
-    'split': _Action(summary='split a rung into its independent drawings', add=_add_split,
+    'forget': Action(summary='remove where state was, once no older program runs',
+                     add=add_output, run=_forget),
+    'split': Action(summary='split a rung into its independent drawings', add=_add_split,
                      run=_split),
-    'merge': _Action(summary='draw neighbouring rungs as one', add=_add_merge, run=_merge),
+    'merge': Action(summary='draw neighbouring rungs as one', add=_add_merge, run=_merge),
 }
 """The words that may stand behind the program."""
 
@@ -193,4 +167,4 @@ VERB = Verb(
     examples=('refactor elevator_3_floor_flat.xml find',
               'refactor elevator_3_floor_flat.xml auto -o smaller.xml',
               'refactor old.xml extract --rungs 6 7 --name Indicator --everywhere -o new.xml'),
-    add_arguments=_add_arguments, run=_run)
+    add_arguments=add_actions(ACTIONS), run=run_action(ACTIONS))

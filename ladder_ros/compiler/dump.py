@@ -21,24 +21,25 @@ from ladder_ros.model.component import InVariable
 from ladder_ros.model.program import Body, Pou, Program, Rung
 
 
+def require_pou(program: Program, pou: str | None) -> None:
+    """Raise LadderError L0509 if the program has no POU of that name."""
+    pous: tuple[Pou, ...] = (*program.bodies, *program.composites)
+    names = [part.name for part in pous]
+    if pou is not None and pou.casefold() not in (name.casefold() for name in names):
+        raise LadderError.of('L0509', program.location, name=pou, known=', '.join(names))
+
+
 def dump_stage(program: Program, stage: str, pou: str | None = None) -> str:
     """Return the text of a stage (one of STAGES), for one POU or all.
 
-    Raises LadderError if the program has errors before that stage, or lacks the POU (L0502).
+    Raises LadderError if the program has errors before that stage, or lacks the POU (L0509).
     """
+    require_pou(program, pou)
     program = completed(program)
     stages = analyse(program)
     if has_errors(stages.diagnostics):
         raise LadderError(stages.diagnostics)
     return _DUMPS[stage](program, stages, pou)
-
-
-def require_pou(program: Program, pou: str | None) -> None:
-    """Raise LadderError L0509 if a program has no body or composite of that name."""
-    pous: list[Pou] = [*program.bodies, *program.composites]
-    names = [part.name for part in pous]
-    if pou is not None and pou.casefold() not in (name.casefold() for name in names):
-        raise LadderError.of('L0509', program.location, name=pou, known=', '.join(names))
 
 
 def with_drawings(program: Program) -> Program:
@@ -80,11 +81,7 @@ def _chosen(program: Program, pou: str | None) -> list[Pou]:
     pous: list[Pou] = [*program.composites, *program.bodies]
     if pou is None:
         return pous
-    chosen = [p for p in pous if p.name.casefold() == pou.casefold()]
-    if not chosen:
-        raise LadderError.of('L0502', program.location, ', '.join(p.name for p in pous),
-                             name=pou, hint='')
-    return chosen
+    return [p for p in pous if p.name.casefold() == pou.casefold()]
 
 
 def _sections(

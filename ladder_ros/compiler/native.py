@@ -103,6 +103,11 @@ class _Function:
         return f'define i8 @{self.symbol}(ptr %s, i64 %now) {{\n{self.chunk.body}\n}}'
 
 
+def _jumps(routine: Routine) -> bool:
+    """Say whether a routine has jumps: its networks are then not executed one after the other."""
+    return any(instruction.op is Op.JMP for instruction in routine.instructions())
+
+
 @dataclass(slots=True)
 class _Emitter:
     code: InstructionList
@@ -137,6 +142,8 @@ class _Emitter:
 
     def inner_routine(self, routine: Routine) -> None:
         try:
+            if _jumps(routine):
+                raise NotNativeError('a jump')
             functions = list(self.chunks(routine.networks))
             release, activity = emit_release(routine, self.memory, self.routines)
         except NotNativeError as error:
@@ -154,6 +161,10 @@ class _Emitter:
         faults = [self.fault(network) for network in routine.networks]
         self.why_not.update((fault, None) for fault in faults if fault)
         leaves = any(i.op is Op.RET for i in routine.instructions())
+        if _jumps(routine):
+            self.why_not['a jump'] = None
+            yield Part(networks=routine.networks)
+            return
         if any(faults) and leaves:  # what Python runs cannot tell that it was left
             yield Part(networks=routine.networks)
             return

@@ -41,6 +41,7 @@ from ladder_ros.compiler.wiring import Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError, problem
 from ladder_ros.executable import Entry, Executable, Scan, Variant
+from ladder_ros.garbage import collected_later
 from ladder_ros.model.program import Body, CallKind, Pou, Program, RunKind
 
 _T = TypeVar('_T')
@@ -70,6 +71,7 @@ class Compilation:
     code: InstructionList | None = None
 
 
+@collected_later()
 def compile_program(
     program: Program, *, backend: str = 'python', source_hash: str = '', stubs: bool = False,
 ) -> Compilation:
@@ -86,6 +88,8 @@ def compile_program(
     stages = analyse(program)
     if has_errors(stages.diagnostics):
         raise LadderError(stages.diagnostics)
+    if not program.bodies:
+        raise LadderError.of('L0219', program.location)
     forests = build_trees(program, stages)
     code = link_code(program, {**lower(forests), **stages.texts})
     verify_il(code)
@@ -131,7 +135,12 @@ def completed(program: Program, *, stubs: bool = False) -> Program:
 
 
 def check_program(program: Program, *, stubs: bool = False) -> tuple[Diagnostic, ...]:
-    """Return everything that is to be said about a program: errors, warnings, hints."""
+    """Return everything that is to be said about a program: errors, warnings, hints.
+
+    A library need not have a body.
+    """
+    if program.is_library:
+        return analyse(program).diagnostics
     try:
         return compile_program(program, stubs=stubs).diagnostics
     except LadderError as error:
@@ -214,11 +223,13 @@ def build_trees(
 
     Inline composites are part of their users' rungs; ``inline`` asks for theirs too, to be shown.
     """
-    return {
-        pou_key(pou): [reduce_to_tree(aov, access_key(program, pou)) for aov in
-                       stages.graphs[pou_key(pou)]]
-        for pou in _pous(program)
-        if pou_key(pou) in stages.graphs and (inline or not _is_inline(pou))}
+    trees: dict[str, Sequence[Forest]] = {}
+    for pou in _pous(program):
+        key = pou_key(pou)
+        if key in stages.graphs and (inline or not _is_inline(pou)):
+            storage = access_key(program, pou)
+            trees[key] = [reduce_to_tree(aov, storage) for aov in stages.graphs[key]]
+    return trees
 
 
 def build_sequences(stages: Stages) -> dict[str, Sequence[Forest]]:

@@ -72,7 +72,7 @@ def write_plcopen(program: Program) -> str:
     Raises LadderError with the program's errors, or L0511 for what the format cannot say.
     """
     writer = StWriter.of(program, rename=program.dialect == 'native')
-    return write_project(_Exporter(writer=writer, program=program).project())
+    return write_project(_Exporter(writer=writer, program=writer.program).project())
 
 
 @dataclass(slots=True, kw_only=True)

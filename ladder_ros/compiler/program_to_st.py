@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from ladder_ros.compiler.il import Network, Op
 from ladder_ros.compiler.il_to_st import comment_line, StEmitter
 from ladder_ros.compiler.imported import needed_pous
-from ladder_ros.compiler.pipeline import analyse, build_trees, lower, Stages
+from ladder_ros.compiler.pipeline import analyse, build_trees, completed, lower, Stages
 from ladder_ros.compiler.st_names import Identifiers, interface, literal, Names, user_names
 from ladder_ros.compiler.symbols import Operand, pou_key, Ref
 from ladder_ros.diagnostics import has_errors, LadderError
@@ -76,6 +76,7 @@ class StWriter:
         ``rename`` gives names that are keywords elsewhere another spelling, ``named`` gives
         addresses that are used directly a name.
         """
+        program = completed(program)
         stages = analyse(program)
         if has_errors(stages.diagnostics):
             raise LadderError(stages.diagnostics)

@@ -91,6 +91,8 @@ class Scope:
     """Function block instances: spelling and kind."""
     instances: Mapping[str, tuple[str, Composite]] = field(default_factory=dict)
     """Composite instances: spelling and definition."""
+    untyped: Mapping[str, str] = field(default_factory=dict)
+    """Names that are declared with a type which nothing has."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,6 +146,12 @@ def data_slot(rung: str, component: str, pin: str, type_: DataType) -> Ref:
     return Ref(path=f'%data.{rung}.{component}.{pin}', type=type_)
 
 
+def author_path(path: str) -> str:
+    """Return a path as the author of a drawing knows it: what a block gives by its id and pin."""
+    kind, _, rest = path.partition('.')
+    return rest.partition('.')[2] if kind == '%data' else path
+
+
 def is_address(path: str) -> bool:
     """Say whether a path is a located address (%IX0.0): one variable for the whole program."""
     return path[:1] == '%' and path[1:2].upper() in ('I', 'Q', 'M') and path[:2] != '%T'
@@ -170,7 +178,7 @@ def substitute(
 
     A parameter becomes what ``bindings`` (by casefolded name) says; anything else gets the prefix.
     """
-    if isinstance(operand, Literal):
+    if isinstance(operand, Literal) or not (prefix or bindings):
         return operand
     if isinstance(operand, Element):
         first = substitute(operand.first, prefix, bindings)

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.aov import operand_text, SymbolVertex
-from ladder_ros.compiler.symbols import Operand
+from ladder_ros.compiler.symbols import author_path, Operand
 from ladder_ros.compiler.tree import (
     And,
     Forest,
@@ -232,11 +232,10 @@ class _Drawing:
 
     def _shown(self, path: str) -> str:
         """Return a path as its author knows it: what a block gives by its id and pin."""
-        kind, _, rest = path.partition('.')
-        if kind == '%data':
-            return rest.partition('.')[2]
         instance, _, pin = path.rpartition('.')
-        return f'{self.calls.get(instance, "")}.{pin}' if kind == '%call' else path
+        if path.startswith('%call.'):
+            return f'{self.calls.get(instance, "")}.{pin}'
+        return author_path(path)
 
     def _argument(self, component: str, pin: str, operand: Operand) -> Argument:
         text = str(operand)

@@ -145,9 +145,11 @@ class WiredBlocks:
         if kind is None:
             pins = ', '.join(dict.fromkeys(
                 [*self.connections.pins.get(component.id, ()), *self._output_pins(component.id)]))
-            self.lowering.report('L0208', component.location, f'its pins: {pins}', name=type_,
-                                 known=f'{len(CATALOGUE)} standard ones', hint=suggestion(
-                                     type_, [*CATALOGUE, *self.lowering.composites]))
+            likely = suggestion(type_, [*CATALOGUE, *self.lowering.composites])
+            self.lowering.report(
+                'L0208', component.location, f'its pins: {pins or "none"}', name=type_, help=(
+                    f'it is neither in the library nor in the project{likely}; the import option '
+                    '"stubs": true puts a stand-in in its place'))
             return None
         if not kind.is_function and not component.instance:
             self.lowering.report('L0216', component.location, name=kind.name,

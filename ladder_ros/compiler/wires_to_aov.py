@@ -21,7 +21,7 @@ from ladder_ros.compiler.st_to_il import lower_statements
 from ladder_ros.compiler.symbols import edge_memory, Operand, Ref, Resolved, Target
 from ladder_ros.compiler.wired_blocks import WiredBlocks
 from ladder_ros.compiler.wires_to_order import connect, Connections, order_networks
-from ladder_ros.compiler.wiring import Rail
+from ladder_ros.compiler.wiring import describe, Rail
 from ladder_ros.model.component import (
     Block,
     Coil,
@@ -201,7 +201,7 @@ class _Builder:
             self.feeds += [(giver, number, pin) for giver in givers]
         if callee.kind is not None and not callee.is_function:
             self.enabled[component.id] = _Giver(joined=tuple(
-                giver for pin, givers in taken if pin == 'EN' for giver in givers
+                giver for pin, givers in taken if (pin or call.main) == 'EN' for giver in givers
             ) or (_Giver(symbol=-1),))
         if not any(pin == '' for pin, _ in taken):
             self.feeds.append((_Giver(symbol=-1), number, ''))
@@ -238,13 +238,14 @@ class _Builder:
 
     def _power(self, component: Component) -> list[Port]:
         sources = self.connections.sources.get((component.id, ''), ())
+        name = f'{component.id} ({describe(component)})'
         if not sources:
-            self.lowering.report('L0306', component.location, name=component.id)
+            self.lowering.report('L0306', component.location, name=name)
         for port in sources:
             actual = self.blocks.type_of(port)
             if actual not in (DataType.BOOL, None):
                 self.lowering.report(
-                    'L0204', component.location, name=f'what feeds {component.id}',
+                    'L0204', component.location, name=f'what feeds {name}',
                     actual=actual, expected=DataType.BOOL)
         return list(sources)
 

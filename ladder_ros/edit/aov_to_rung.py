@@ -30,7 +30,7 @@ from ladder_ros.edit.placing import (
     by_power,
     crossings,
     Piece,
-    place_straight,
+    place_closely,
     place_strips,
     Placing,
 )
@@ -90,11 +90,10 @@ def _close(aov: Aov, columns: int) -> Iterator[Placing]:
     for ranks, sort in ((None, by_power), (_ranks, by_power), (None, by_order)):
         strips = cut_into_strips(aov, ranks=ranks(aov) if ranks else None)
         order = sort(strips)
-        straight = place_straight(strips, order, columns=columns)
-        if straight is not None:
-            yield straight
-        if strips.entering or strips.leaving:
-            yield place_strips(strips, order, columns=columns)
+        close = place_closely(strips, order, columns=columns)
+        if close is not None:
+            yield close
+        yield place_strips(strips, order, columns=columns)
 
 
 def _loose(aov: Aov, columns: int) -> Iterator[Placing]:
@@ -224,19 +223,30 @@ class _Drawing:
     # -- vertical lines -------------------------------------------------------------------------
 
     def _end(self, node: int, row: int, index: int, *, is_left: bool) -> None:
-        """Note that a component ends at a junction."""
-        if node not in (LEFT, RIGHT) and node not in self.placing.boxes:
-            self.ends[node].setdefault(row, (index, is_left))
+        """Note that a component ends at a junction; of two in a row, the lower one counts."""
+        if node in (LEFT, RIGHT) or node in self.placing.boxes:
+            return
+        ends = self.ends[node]
+        if row not in ends or self._height(ends[row][0]) > self._height(index):
+            ends[row] = index, is_left
+
+    def _height(self, index: int) -> int:
+        return self.made[index].placement.height
 
     def _join(self, x: int, ends: dict[int, tuple[int, bool]]) -> None:
         """Draw a vertical line through the rows in which components end."""
         rows = sorted(ends)
         for upper, lower in pairwise(rows):
-            self._face(*ends[upper], down=True)
+            bottom = upper + self._height(ends[upper][0]) - 1
+            if bottom < lower:
+                self._face(*ends[upper], down=True)
+                start = bottom + 1
+            else:  # past a tall box, from the line that comes from above
+                start = upper
             self._face(*ends[lower], down=False)
-            if lower - upper > 1:
+            if lower > start:
                 self.columns.append(Column(id=self._new_id('v'), placement=Placement(
-                    x=x, y=upper + 1, width=0, height=lower - upper - 1)))
+                    x=x, y=start, width=0, height=lower - start)))
 
     def _face(self, index: int, is_left: bool, *, down: bool) -> None:
         """Turn a side of a component's parallel interface to a vertical line."""

@@ -3,7 +3,8 @@
 """Components to be drawn for a graph's symbols: Aov -> Aov.
 
 Components that an inline composite was put in place of get ids of their own and the names that
-they have in the graph's POU; further power pins that no drawing gave a row get one.
+they have in the graph's POU; further power pins that no drawing gave a row get one.  Vertices are
+numbered in the order of evaluation, as all that follows takes for granted.
 """
 
 from __future__ import annotations
@@ -22,7 +23,8 @@ Sides = tuple[set[str], set[str]]
 
 
 def with_drawable_components(aov: Aov) -> Aov:
-    """Return the graph with components that can stand in one drawing."""
+    """Return the graph with components that can stand in one drawing, numbered in order."""
+    aov = _numbered(aov)
     pins: dict[int, Sides] = defaultdict(lambda: (set(), set()))
     for arc in aov.arcs:
         if arc.target_pin:
@@ -33,6 +35,16 @@ def with_drawable_components(aov: Aov) -> Aov:
     return replace(aov, symbols=tuple(
         _with_rows(_named(symbol, names), pins[symbol.id]) if symbol.id in pins
         else _named(symbol, names) for symbol in aov.symbols))
+
+
+def _numbered(aov: Aov) -> Aov:
+    ids = [*(s.id for s in aov.symbols), *(v.id for v in aov.virtuals)]
+    number = {id: place for place, id in enumerate(ids)}
+    return replace(
+        aov, symbols=tuple(replace(s, id=number[s.id]) for s in aov.symbols),
+        virtuals=tuple(replace(v, id=number[v.id]) for v in aov.virtuals),
+        arcs=tuple(replace(a, source=number[a.source], target=number[a.target])
+                   for a in aov.arcs))
 
 
 def _ids(aov: Aov) -> dict[str, str]:

@@ -19,7 +19,7 @@ from ladder_ros.compiler.access_keys import access_key
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
 from ladder_ros.compiler.resolve_rung import suggestion
-from ladder_ros.compiler.symbols import pou_key, Resolved, Symbols
+from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError
 from ladder_ros.edit.aov_to_rung import draw_rung
@@ -41,6 +41,8 @@ from ladder_ros.edit.edits import (
 )
 from ladder_ros.edit.parts import (
     changed_component,
+    checked_id,
+    checked_text,
     free_name,
     made_component,
     with_power_pin,
@@ -58,7 +60,7 @@ from ladder_ros.model.component import (
     Instance,
     Row,
 )
-from ladder_ros.model.program import Body, CallKind, Pou, Program, Rung
+from ladder_ros.model.program import Body, CallKind, Composite, Pou, Program, Rung
 
 COLUMNS = 11
 """How wide a rung may become (paper 3: eleven columns, the last one for outputs and blocks)."""
@@ -88,7 +90,8 @@ def apply_edit(program: Program, edit: Edit, *, columns: int = COLUMNS) -> Edite
             return _new_rung(program, pou, edit)
         case SetRung():
             rung = _rung(pou, edit.rung)
-            return _with_rung(program, pou, rung, replace(rung, comment=edit.comment))
+            return _with_rung(program, pou, rung, replace(
+                rung, comment=checked_text(edit.comment, rung.location)))
         case DeleteRung():
             rung = _rung(pou, edit.rung)
             if len(pou.rungs) == 1:
@@ -122,6 +125,10 @@ def _pou(program: Program, name: str) -> Pou:
         if pou.name.casefold() == name.casefold():
             if pou.statements:
                 raise LadderError.of('L0626', pou.location, name=pou.name)
+            if isinstance(pou, Composite) and pou.library:
+                raise LadderError.of(
+                    'L0625', pou.location, expected=f'edit the library {pou.library}',
+                    reason=f'{pou.name} belongs to a library')
             return pou
     known = [pou.name for pou in pous]
     raise LadderError.of('L0621', program.location, what='body or composite', name=name,
@@ -143,13 +150,9 @@ def _before(pou: Pou, id: str) -> Rung | None:
 
 def _rung_id(pou: Pou, wanted: str, like: Rung | None) -> str:
     taken = [rung.id for rung in pou.rungs]
-    if not wanted:
-        stem = '' if like is None or like.id.isdigit() else f'{like.id}_'
-        return free_name(stem, taken)
-    if wanted.casefold() in {id.casefold() for id in taken}:
-        raise LadderError.of('L0625', pou.location, reason=f'the rung id {wanted} is taken',
-                             expected='leave it out, or choose another one')
-    return wanted
+    if wanted:
+        return checked_id(wanted, taken, pou.location)
+    return free_name('' if like is None or like.id.isdigit() else f'{like.id}_', taken)
 
 
 def _with_pou(program: Program, old: Pou, new: Pou) -> Program:
@@ -201,7 +204,7 @@ def _new_rung(program: Program, pou: Pou, edit: NewRung) -> Edited:
     component = replace(component, location=place, placement=replace(
         component.placement, x=0, y=0))
     rung = Rung(id=id, width=component.placement.width, components=(component,),
-                comment=edit.comment, location=place)
+                comment=checked_text(edit.comment, place), location=place)
     rungs = moved((*pou.rungs, rung), rung, _before(pou, edit.before))
     return _checked(program, pou, replace(pou, rungs=rungs),
                     Place(pou=pou.name, rung=id, component=component.id))
@@ -253,12 +256,9 @@ class _RungEditor:
         wiring, found = analyse_connections(
             self.rung, ends_in_output=_ends_in_output(self.pou))
         _raise_errors(found)
-        aov, found = build_aov(wiring, self._resolved(symbols, self.rung))
+        aov, found = build_aov(wiring, symbols.of_rung(pou_key(self.pou), self.rung.id))
         _raise_errors(found)
         return Sketch.of(aov)
-
-    def _resolved(self, symbols: Symbols, rung: Rung) -> dict[str, Resolved]:
-        return dict(symbols.of_rung(pou_key(self.pou), rung.id))
 
     def _drawn(self, sketch: Sketch, name: str) -> Edited:
         """Return the program with the rung drawn from the graph."""
@@ -268,19 +268,22 @@ class _RungEditor:
                     component, sketch.power_pins(vertex))
         components = tuple(sketch.components[vertex] for vertex in sketch.order)
         listed = replace(self.rung, components=components)
-        edited = _with_rung(self.program, self.pou, self.rung, listed)
-        symbols, _ = resolve_symbols(edited.program)
-        pou = _pou(edited.program, self.pou.name)
-        aov = sketch.to_aov(self.rung.id, self.rung.comment, self._resolved(symbols, listed))
+        pou = replace(self.pou, rungs=tuple(
+            listed if rung is self.rung else rung for rung in self.pou.rungs))
+        program = _with_pou(self.program, self.pou, pou)
+        symbols, found = resolve_symbols(program)
+        _raise_errors(found)
+        aov = sketch.to_aov(self.rung.id, self.rung.comment,
+                            symbols.of_rung(pou_key(pou), self.rung.id))
         drawn = draw_rung(aov, rung_id=self.rung.id, comment=self.rung.comment,
-                          access_key=access_key(edited.program, pou))
+                          access_key=access_key(program, pou))
         if drawn.width > max(self.columns, self.rung.width):
             raise self.report('L0622', rung=self.rung.id, width=drawn.width, limit=self.columns)
         rung = replace(drawn, location=self.rung.location)
         found = analyse_connections(rung, ends_in_output=_ends_in_output(self.pou))[1]
         _raise_errors(found)
         rungs = tuple(rung if one is listed else one for one in pou.rungs)
-        return Edited(program=_with_pou(edited.program, pou, replace(pou, rungs=rungs)),
+        return Edited(program=_with_pou(program, pou, replace(pou, rungs=rungs)),
                       place=Place(pou=pou.name, rung=rung.id, component=name))
 
     # -- operations -------------------------------------------------------------------------------
@@ -368,6 +371,8 @@ class _RungEditor:
             raise self.report('L0624', component, name=component.id, reason=(
                 f'power is led to or from its pin {pin}: delete that first'))
         sketch.remove(target)
+        if _ends_in_output(self.pou):
+            sketch.drop_idle_lines()
 
     def _set(self, edit: Set) -> Edited:
         known = {c.id.casefold(): c for c in self.rung.components}
@@ -402,6 +407,9 @@ class _RungEditor:
         if not _ends_in_output(self.pou):
             if not sketch.components:
                 raise self.report('L0624', name=edit.target, reason='the rung would be empty')
+            if sketch.is_shorted:
+                raise self.report('L0624', name=edit.target, reason=(
+                    'lines alone would join the rails'))
             return
         for vertex in sketch.last_components():
             component = sketch.components[vertex]

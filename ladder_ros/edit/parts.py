@@ -26,6 +26,7 @@ from ladder_ros.model.component import (
     Instance,
     Placement,
 )
+from ladder_ros.source.grammar import IDENTIFIER, MAX_ATTRIBUTE, MAX_NAME
 
 _Kind = TypeVar('_Kind', bound=Enum)
 _WIDTH = 2
@@ -40,35 +41,34 @@ def made_component(
 
     ``parameters`` is how many parameters the composite has.  Raises LadderError L0625.
     """
-    id = part.id or free_name(_STEM[part.kind], taken)
-    if part.id and part.id.casefold() in {name.casefold() for name in taken}:
-        raise LadderError.of('L0625', location, reason=f'the id {part.id} is taken',
-                             expected='leave it out, or choose another one')
+    id = checked_id(part.id, taken, location) if part.id else free_name(_STEM[part.kind], taken)
+    comment = checked_text(part.comment, location)
+    specification = checked_text(part.specification, location)
     place = Placement(x=0, y=0)
     if part.kind is PartKind.CONTACT:
         return Contact(
             id=id, placement=place, operand=_needed(part.operand, 'operand', location),
-            kind=_variant(ContactKind, part.variant or 'no', location), comment=part.comment,
-            specification=part.specification, location=location)
+            kind=_variant(ContactKind, part.variant or 'no', location), comment=comment,
+            specification=specification, location=location)
     if part.kind is PartKind.COIL:
         return Coil(
             id=id, placement=place, operand=_needed(part.operand, 'operand', location),
-            kind=_variant(CoilKind, part.variant or 'coil', location), comment=part.comment,
-            specification=part.specification, location=location)
+            kind=_variant(CoilKind, part.variant or 'coil', location), comment=comment,
+            specification=specification, location=location)
     type_ = _needed(part.type, 'type', location)
     if part.kind is PartKind.BLOCK:
         kind = CATALOGUE.get(type_.upper())
         height = max(len(kind.inputs), len(kind.outputs)) if kind else 1
         block = Block(
             id=id, placement=replace(place, width=_WIDTH, height=height), type=type_,
-            instance=part.instance, comment=part.comment, specification=part.specification,
+            instance=part.instance, comment=comment, specification=specification,
             location=location)
         return connected(block, part.pins, location)
     if part.kind is PartKind.INSTANCE:
         instance = Instance(
             id=id, placement=replace(place, width=_WIDTH, height=max(1, parameters)),
             composite=type_, instance=_needed(part.instance, 'instance', location),
-            comment=part.comment, specification=part.specification, location=location)
+            comment=comment, specification=specification, location=location)
         return connected(instance, part.pins, location)
     assert_never(part.kind)
 
@@ -76,9 +76,10 @@ def made_component(
 def changed_component(component: Component, change: Set, location: Location) -> Component:
     """Return a component with changes; None leaves things as they are.  Raises L0625."""
     if change.comment is not None:
-        component = replace(component, comment=change.comment)
+        component = replace(component, comment=checked_text(change.comment, location))
     if change.specification is not None:
-        component = replace(component, specification=change.specification)
+        component = replace(
+            component, specification=checked_text(change.specification, location))
     if isinstance(component, (Contact, Coil)):
         if change.pins:
             raise LadderError.of('L0625', location, reason=f'{component.id} has no pins',
@@ -95,6 +96,27 @@ def changed_component(component: Component, change: Set, location: Location) -> 
                              expected='connect its pins, PIN=variable')
     assert isinstance(component, (Block, Instance))
     return connected(component, change.pins, location)
+
+
+def checked_id(id: str, taken: Iterable[str], location: Location) -> str:
+    """Return a new id of a rung or component.  Raises L0625 if it cannot be one or is taken."""
+    if not IDENTIFIER.fullmatch(id) or len(id) > MAX_NAME:
+        raise LadderError.of('L0625', location, reason=f'{id!r} cannot be an id',
+                             expected='write letters, digits, _ and -')
+    if id.casefold() in {name.casefold() for name in taken}:
+        raise LadderError.of('L0625', location, reason=f'the id {id} is taken',
+                             expected='leave it out, or choose another one')
+    return id
+
+
+def checked_text(text: str, location: Location) -> str:
+    """Return a comment or specification.  Raises L0625 for what a file cannot hold."""
+    if len(text) > MAX_ATTRIBUTE or not all(
+            c.isprintable() or c in '\t\n\r' for c in text):
+        raise LadderError.of(
+            'L0625', location, reason='the text is too long or has control characters',
+            expected=f'write at most {MAX_ATTRIBUTE} printable characters')
+    return text
 
 
 def free_name(stem: str, taken: Iterable[str]) -> str:
@@ -165,7 +187,9 @@ def with_power_pin(block: Block, pin: str) -> Block:
 
 def without_idle_pins(block: Block, powered: Collection[str]) -> Block:
     """Return a block whose further power pins are the powered ones."""
-    kind = CATALOGUE[block.type.upper()]
+    kind = CATALOGUE.get(block.type.upper())
+    if kind is None:
+        return block
 
     def kept(arguments: Iterable[Argument], find: Callable[[str], Pin | None],
              ) -> tuple[Argument, ...]:

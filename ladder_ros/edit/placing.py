@@ -22,9 +22,6 @@ from ladder_ros.edit.skyline import Skyline
 from ladder_ros.edit.strips import Lead, LEFT, RIGHT, Strip, Strips
 from ladder_ros.model.component import Block, Component, Instance
 
-_LEAD_OUT = 1
-"""Cells between a vertical line and a tall box, so that the line passes it at a distance."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Piece:
@@ -123,18 +120,21 @@ def place_strips(
     return _Placer(strips=strips, columns=columns, apart=apart).run(order)
 
 
-def place_straight(
+def place_closely(
     strips: Strips, order: Sequence[int], *, columns: int = 0,
 ) -> Placing | None:
-    """Do the same without room for bends; return None where one is needed."""
+    """Do the same without room for bends, and for lines that pass tall boxes at a distance.
+
+    Return None where such room is needed.
+    """
     try:
-        return _Placer(strips=strips, columns=columns, bends=False).run(order)
-    except _Bent:
+        return _Placer(strips=strips, columns=columns, roomy=False).run(order)
+    except _Cramped:
         return None
 
 
-class _Bent(Exception):
-    """What leads to a pin, or from one, cannot lie in the pin's row."""
+class _Cramped(Exception):
+    """What leads to a pin has to bend, or a vertical line cannot get past a box."""
 
 
 def crossings(placing: Placing) -> int:
@@ -170,8 +170,8 @@ class _Placer:
     strips: Strips
     columns: int
     apart: bool = False
-    bends: bool = True
-    """Whether there is a cell for each bend."""
+    roomy: bool = True
+    """Whether there is a cell for each bend, and beside a tall box."""
     boxes: dict[int, int] = field(default_factory=dict)
     node_of: dict[int, int] = field(default_factory=dict)
     """Component with a box -> its node."""
@@ -238,13 +238,15 @@ class _Placer:
             room += len(self.strips.entering.get(self.boxes[after], ()))
         if before in self.boxes:
             room += len(self.strips.leaving.get(self.boxes[before], ()))
-        if room and self.bends:
+        if room and self.roomy:
             room += 1
         elif before not in self.boxes and after not in self.boxes:
             room = 1
         elif (self._is_tall(after) and before not in self.boxes and before != LEFT) or (
                 self._is_tall(before) and after not in self.boxes and after != RIGHT):
-            room = _LEAD_OUT
+            room = int(self.roomy)
+        else:
+            room = 0
         return Piece(before=before, items=tuple(plain), after=after,
                      length=max(room, len(plain)))
 
@@ -259,11 +261,11 @@ class _Placer:
         for item, leads in self.strips.entering.items():
             bends = [lead.junction for lead in leads]
             for before, after in pairwise([*bends, self.node_of[item]]):
-                self.into[after].append((before, int(self.bends)))
+                self.into[after].append((before, int(self.roomy)))
         for item, leads in self.strips.leaving.items():
             bends = [lead.junction for lead in leads]
             for after, before in pairwise([*bends, self.node_of[item]]):
-                self.into[after].append((before, int(self.bends)))
+                self.into[after].append((before, int(self.roomy)))
 
     def _topological(self) -> list[int]:
         count = self.strips.junctions + len(self.boxes)
@@ -291,7 +293,7 @@ class _Placer:
             x[node] = self._bound(node, x)
         for item, leads in self.strips.entering.items():
             for distance, lead in enumerate(reversed(leads), start=1):
-                x[lead.junction] = x[self.node_of[item]] - distance * int(self.bends)
+                x[lead.junction] = x[self.node_of[item]] - distance * int(self.roomy)
         for node in self.late:
             x[node] = x[RIGHT] - self.width(node)
         return x
@@ -317,17 +319,37 @@ class _Placer:
                     row = max(row, lines.free(lead.junction) - lead.row)
             if self.apart:
                 row = max(row, self.height)
-            if not self.bends and any(
+            if not self.roomy and any(
                     pin in self.pins and lines.spans.get(pin) != (row, row)
                     for pin in (strip.source, strip.target)):
-                raise _Bent
+                raise _Cramped
             rows[number] = row
             below.rise(*cells, row)
             lines.use(strip.source, row)
             lines.use(strip.target, row)
             self.height = max(self.height, row + 1)
             self._lay_boxes(strip, row, x, below, lines)
+        if not self.roomy:
+            self._check_tall_ends(rows)
         return rows, lines.spans
+
+    def _check_tall_ends(self, rows: Sequence[int]) -> None:
+        """Raise _Cramped where a vertical line begins at a tall box and has to go past it.
+
+        A box has its lower side in its last row; from any other row only the line itself, or
+        what else ends there, goes on downwards.
+        """
+        ends: dict[int, dict[int, int]] = defaultdict(dict)
+        for pieces, row in zip(self.pieces, rows, strict=True):
+            for junction, box, piece in ((pieces[0].before, pieces[0].after, pieces[0]),
+                                         (pieces[-1].after, pieces[-1].before, pieces[-1])):
+                tall = self._is_tall(box) and piece.length == 0
+                bottom = row + self.component(box).placement.height - 1 if tall else row
+                ends[junction][row] = min(bottom, ends[junction].get(row, bottom))
+        for junction, bottoms in ends.items():
+            first, *rest = sorted(bottoms)
+            if junction not in (LEFT, RIGHT) and rest and rest[0] <= bottoms[first]:
+                raise _Cramped
 
     def _lay_boxes(
         self, strip: Strip, row: int, x: Sequence[int], below: Skyline, lines: _Lines,

@@ -66,8 +66,6 @@ from ladder_ros.refactor.places import (
 from ladder_ros.refactor.shapes import Analysis
 
 _FALLBACK = {Access.READ: 'In', Access.WRITE: 'Out', Access.BOTH: 'InOut', Access.STATE: 'State'}
-BOX_WIDTH = 2
-"""Columns of an instance that fills a rung of its own."""
 
 
 def extract(
@@ -215,7 +213,7 @@ class _Extraction:
             return program
         comment = old[0].comment if len(old) == 1 else common_comment(
             rung.comment for rung in old) or old[0].comment
-        rung = Rung(id=old[0].id, width=BOX_WIDTH, components=(box,), comment=comment,
+        rung = Rung(id=old[0].id, width=1, components=(box,), comment=comment,
                     location=old[0].location)
         first = pou.rungs.index(old[0])
         return with_pou(program, with_rungs(
@@ -232,15 +230,17 @@ class _Extraction:
         self.graphs[key] = part.rest(box_symbol(box, members))
 
     def _box(self, pou: Pou, fragment: Fragment, number: int) -> Instance:
-        """Return the instance that stands for a fragment; it has the first cell."""
+        """Return the instance that stands for a fragment; it has the first cell.
+
+        Pictures make a cell as large as what is in it.
+        """
         old = rungs_of(find_pou(self.program, fragment.pou), fragment.rungs)
         arguments = tuple(
             Argument(pin=name, operand=slot.texts[number], location=fragment.location)
             for slot, name in zip(self.fit.slots, self.members, strict=True)
             if slot.role is Role.PARAMETER)
         return Instance(
-            id='i1', placement=Placement(
-                x=0, y=0, width=BOX_WIDTH, height=len(arguments) + 1),
+            id='i1', placement=Placement(x=0, y=0),
             composite=self.name, instance=numbered(snake(self.name), self._taken(pou)),
             arguments=arguments, was=tuple(self._was(pou, fragment, number, old)),
             location=fragment.location)

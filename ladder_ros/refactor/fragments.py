@@ -17,7 +17,10 @@ from ladder_ros.refactor.shapes import analyse_program, Analysis, Shape, Shaper
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shapes:
-    """A program, its analysis, and for each POU the shapes and counts of its rungs in order."""
+    """A program, its analysis, and for each POU the shapes and counts of its rungs in order.
+
+    What comes from a library is not the program's to change, and left out.
+    """
 
     program: Program
     analysis: Analysis
@@ -65,7 +68,8 @@ def shape_program(program: Program) -> Shapes:
     """Give every rung its shape.  Raises LadderError with the program's errors."""
     analysis = analyse_program(program)
     shaper = Shaper(program.composites)
-    pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
+    own = (composite for composite in program.composites if not composite.library)
+    pous: tuple[Pou, ...] = (*own, *program.bodies)
     return Shapes(
         program=program, analysis=analysis, shaper=shaper,
         pous={pou_key(pou): pou for pou in pous},

@@ -45,6 +45,14 @@ def rename(program: Program, old: str, new: str, pou: Composite | None = None) -
     raise LadderError.of('L0630', program.location, what=f'name {old}', known=', '.join(known))
 
 
+def _own(program: Program, composite: Composite) -> None:
+    """Raise LadderError L0632 if a composite is not the program's own."""
+    if composite.library:
+        raise LadderError.of(
+            'L0632', program.location, name=composite.name,
+            reason=f'it belongs to the library {composite.library}; rename it there')
+
+
 def _instances(pou: Pou) -> set[str]:
     return {component.instance for rung in pou.rungs for component in rung.components
             if isinstance(component, (Block, Instance)) and component.instance}
@@ -92,6 +100,7 @@ def _in_rungs(pou: Pou, key: str, new: str) -> tuple[Rung, ...]:
 def _member(program: Program, pou: Composite, old: str, new: str) -> Program:
     """Rename a parameter, variable or instance of a composite, in its uses too."""
     key = old.casefold()
+    _own(program, pou)
     declared: tuple[Parameter | Variable, ...] = (*pou.parameters, *pou.variables)
     known = {item.name for item in declared} | _instances(pou)
     if key not in map(str.casefold, known):
@@ -127,6 +136,7 @@ def _member_was(entry: str, key: str, new: str) -> str:
 def _composite(program: Program, key: str, new: str) -> Program:
     if new.casefold() != key:
         check_name(program, new)
+    _own(program, next(c for c in program.composites if c.name.casefold() == key))
 
     def used(component: Component) -> Component:
         if isinstance(component, Instance) and component.composite.casefold() == key:

@@ -1,12 +1,15 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Remove what nothing uses: local variables, parameters, composites and tasks."""
+"""Remove what nothing uses: local variables, parameters, composites, libraries and tasks.
+
+Also where state was, once no running program is as old as that.
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from ladder_ros.model.component import Component, Instance
+from ladder_ros.model.component import Block, Coil, Component, Contact, Instance
 from ladder_ros.model.program import Parameter, Pou, Program, Rung, Variable, VariableClass
 from ladder_ros.refactor.places import names_in
 
@@ -21,6 +24,21 @@ def remove_unused(program: Program) -> tuple[Program, tuple[str, ...]]:
         program, names = step
         removed += names
     return program, tuple(removed)
+
+
+def forget(program: Program) -> Program:
+    """Return the program without where its state was: for when no running program is older."""
+    def forgotten(pou: Pou) -> tuple[Rung, ...]:
+        return tuple(replace(rung, components=tuple(
+            replace(c, was=()) if isinstance(c, (Contact, Coil, Block, Instance)) else c
+            for c in rung.components)) for rung in pou.rungs)
+
+    return replace(
+        program, variables=tuple(replace(v, was=()) for v in program.variables),
+        bodies=tuple(replace(body, rungs=forgotten(body)) for body in program.bodies),
+        composites=tuple(
+            replace(c, rungs=forgotten(c), variables=tuple(
+                replace(v, was=()) for v in c.variables)) for c in program.composites))
 
 
 def _step(program: Program) -> tuple[Program, list[str]]:
@@ -39,6 +57,8 @@ def _step(program: Program) -> tuple[Program, list[str]]:
     removed += [f'variable {v.name}' for v in program.variables if not _is_kept(v, used)]
     gone: dict[str, set[str]] = {}
     for number, composite in enumerate(composites):
+        if composite.library:
+            continue
         inside = set(names_in(composite.rungs))
         gone[composite.name.casefold()] = {
             p.name.casefold() for p in composite.parameters if p.name.casefold() not in inside}
@@ -51,8 +71,11 @@ def _step(program: Program) -> tuple[Program, list[str]]:
             parameters=tuple(p for p in composite.parameters if p.name.casefold() in inside),
             variables=tuple(v for v in composite.variables if v.name.casefold() in inside),
         ), *composites[number + 1:])
+    libraries = {composite.library for composite in composites}
+    removed += [f'library {use.library}' for use in program.uses if use.library not in libraries]
+    uses = tuple(use for use in program.uses if use.library in libraries)
     return replace(
-        program, variables=variables, tasks=kept_tasks,
+        program, uses=uses, variables=variables, tasks=kept_tasks,
         composites=tuple(replace(c, rungs=_without(c.rungs, gone)) for c in composites),
         bodies=tuple(replace(b, rungs=_without(b.rungs, gone)) for b in program.bodies)), removed
 

@@ -27,6 +27,7 @@ from ladder_ros.session import (
     find_slot,
     Loaded,
     parse_value,
+    Requirement,
     ScanResult,
     Session,
 )
@@ -82,7 +83,13 @@ class Cell:
 
         Raises LadderError.
         """
-        return self.loader.prepare(path, self._compile, strict=strict)
+        return self.loader.prepare(path, self._successor, strict=strict)
+
+    def _successor(self, path: str) -> Loaded:
+        """Compile a program that is to be changed to at once, if what is required is proved."""
+        loaded = self._compile(path)
+        self.session.assurance.check(self.session.loaded, loaded)
+        return loaded
 
     def _compile(self, path: str) -> Loaded:
         return self.session.prepare(path, self._backend)
@@ -147,6 +154,11 @@ class Cell:
             verdict['error'] = '; '.join(
                 str(item['text']) for item in refusal) if isinstance(refusal, list) else ''
         return verdict
+
+    def require(self, name: str) -> None:
+        """Set what a change needs; the next test begins with a preflight."""
+        self.session.assurance.requirement = Requirement(name)
+        self.forget_candidate()
 
     def forget_candidate(self) -> None:
         """Let the next test begin with a preflight."""

@@ -20,11 +20,12 @@ from ladder_ros.diagnostics import Diagnostic, problem
 from ladder_ros.model.types import NS_PER_S
 from ladder_ros.ros.io_entries import IO_PREFIX, IoEntry, PACKED_PREFIX, read_entries
 from ladder_ros.ros.rules import checked, Declaration, did_you_mean, parameter_place, Rule
-from ladder_ros.session import BACKENDS, DEFAULT_BACKEND
+from ladder_ros.session import BACKENDS, DEFAULT_BACKEND, Requirement
 
 START_NAMES = ('warm', 'cold')
 RESET_NAMES = ('cold', 'warm', 'origin')
 WATCH_NAMES = ('outputs', 'all')
+REQUIRE_NAMES = tuple(requirement.value for requirement in Requirement)
 AUTO = 'auto'
 
 # Names that every node has, or that belong to the middleware; no warning for these.
@@ -67,9 +68,14 @@ RULES: tuple[Rule, ...] = (
              'A program in test, or run as a shadow, is taken back after more overruns.')),
     Rule(name='change.shadow_watch', kind=str, default='outputs', choices=WATCH_NAMES,
          read_only=False, description='What a shadow run compares: outputs, or all variables.'),
+    Rule(name='change.require', kind=str, default='nothing', choices=REQUIRE_NAMES,
+         read_only=False, description=(
+             'What a change of the program needs. report: ~/preflight says whether the candidate '
+             'is proved to behave like the running program; equivalent: else it is refused. '
+             'Proofs need the Python package z3-solver.')),
     Rule(name='monitor.pou', kind=str, default='', read_only=False, description=(
-        'What ~/monitor shows: a body by its name, or an instance of a composite by its place '
-        '(main/3/i1); empty: the first body.')),
+        'What ~/monitor shows: a body by its name, an instance of an enabled composite by its '
+        'path (door.opening), any instance by its place (main/3/i1); empty: the first body.')),
     Rule(name='monitor.rate', kind=float, default=5.0, low=0.1, high=50.0, read_only=False,
          description='Messages a second on ~/monitor while someone listens.'),
     Rule(name='retain_file', kind=str, default=AUTO, description=(

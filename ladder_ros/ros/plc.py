@@ -136,8 +136,10 @@ class Plc:
             retain_path=self._retain_file,
             retain_period_s=self._settings.values['retain_period'])
         session.add_listener(self._after_scan)
-        return Cell(self._node, session, self._settings, self._log.warning, self._resolve_topic,
+        cell = Cell(self._node, session, self._settings, self._log.warning, self._resolve_topic,
                     self._ros_time)
+        cell.require(self._live['change.require'])
+        return cell
 
     def _make_folder(self, path: Path | None) -> None:
         """Make the folder of the retained values; what goes wrong, the first saving will say."""
@@ -325,6 +327,7 @@ class Plc:
         return {
             'program': lambda _name: self._change_program(),
             'candidate': lambda _name: self._cell.forget_candidate(),
+            'change.require': lambda name: self._cell.require(name),
             'forces': self._change_forces,
             'monitor.pou': lambda pou: self._monitor.set_pou(pou),
             'monitor.rate': lambda rate: self._monitor.set_rate(rate),

@@ -483,11 +483,12 @@ class Controller:
             self._trace.before(cycle)
         began = self._clock.now()
         self._programs.scanning(began)
-        fault = None
+        fault = raised = None
         try:
             with self._supervisor.watched():
                 cycle.scan(now, missed, lateness)
         except Exception as error:
+            raised = error
             # Whatever it was, this thread must not die without a word.
             fault = fault_of(
                 error, error.entry if isinstance(error, ProgramFault) else '',
@@ -499,7 +500,7 @@ class Controller:
         if fault is not None and self._programs.go_back(cycle, f'fault: {fault.reason}'):
             return None  # nobody is told what the failed scan left
         if self._trace is not None:
-            self._trace.after(cycle, missed, is_fault=fault is not None)
+            self._trace.after(cycle, missed, raised)
         if fault is not None:
             self._fault = fault
             self._set_state(ControllerState.FAULTED)

@@ -14,6 +14,7 @@ from ladder_ros.diagnostics import Diagnostic, problem
 from ladder_ros.executable import Entry, Executable, Slot, SlotClass, TaskEntry
 from ladder_ros.model.types import NS_PER_MS, Value
 from ladder_ros.runtime.online_change import is_hidden, list_state, StateItem
+from ladder_ros.runtime.proof_report import ProofReport
 from ladder_ros.runtime.quiet import Breathe, breathless, in_parts
 from ladder_ros.runtime.state_plan import Fate, plan_state, Step
 
@@ -37,6 +38,7 @@ class RefusalCode(Enum):
     INTERVAL = 'interval'
     EMPTY = 'empty'
     IN_TEST = 'in_test'
+    NOT_PROVED = 'not_proved'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,7 +80,7 @@ class Preflight:
     """What would happen.  ``running`` is (name, hash) of the program that runs, if one is there.
 
     With verdict REFUSED the ``refusals`` say why; if the program could not be compiled the
-    comparison is empty.
+    comparison is empty.  ``proof`` says whether both programs behave alike, if that was asked for.
     """
 
     verdict: Verdict
@@ -89,6 +91,7 @@ class Preflight:
     refusals: tuple[Refusal, ...] = ()
     comparison: Comparison = Comparison()
     diagnostics: tuple[Diagnostic, ...] = ()
+    proof: ProofReport | None = None
 
     def to_json(self, limit: int | None = None) -> dict[str, object]:
         """Return it as plain JSON data; each list with at most ``limit`` items.
@@ -115,6 +118,7 @@ class Preflight:
             'diagnostics': [
                 item.to_json() for item in (*self.diagnostics, *found.warnings)][:limit],
             'notes': list(found.notes),
+            'proof': self.proof.to_json() if self.proof else None,
         }
 
 

@@ -8,9 +8,11 @@ import hashlib
 import os
 from pathlib import Path
 
-from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.diagnostics import LadderError, Location, problem
+from ladder_ros.garbage import collected_later
 from ladder_ros.model.program import Program
 from ladder_ros.source.import_options import import_options, with_options
+from ladder_ros.source.libraries import with_libraries
 from ladder_ros.source.openplc_files import is_drawn_pou, pou_files, POUS, PROJECT_FILE
 from ladder_ros.source.openplc_to_model import read_openplc
 from ladder_ros.source.plcopen_project import is_project
@@ -32,6 +34,7 @@ def read_any(path: str | os.PathLike[str]) -> Program:
     return parse_any(read_file(name), name)
 
 
+@collected_later()
 def parse_any(data: bytes, file: str = '') -> Program:
     """Read a program from the bytes of an XML file; ``file`` is its name in locations."""
     if is_st(data):
@@ -41,7 +44,12 @@ def parse_any(data: bytes, file: str = '') -> Program:
     namespace, tag = root_element(data)
     if is_project(namespace, tag):
         return with_options(parse_project(data, file), import_options(file))
-    return parse_program(data, file)
+    if tag == 'project':
+        raise LadderError([problem(
+            'L0102', Location(file=file), root='<project>', help=(
+                'a PLCopen project has a namespace such as http://www.plcopen.org/xml/tc6_0201, '
+                f'and not {namespace or "none"}'))])
+    return with_libraries(parse_program(data, file), file)
 
 
 def openplc_folder(path: str) -> Path | None:
@@ -76,10 +84,10 @@ def folder_hash(folder: Path) -> str:
     return digest.hexdigest()
 
 
-def read_with_hash(path: str | os.PathLike[str]) -> tuple[Program, str]:
-    """Return a program and the SHA-256 of the very bytes that it was read from."""
+def read_with_hash(path: str | os.PathLike[str]) -> tuple[Program, str, bytes]:
+    """Return a program, the SHA-256 of the very bytes it was read from, and a file's bytes."""
     folder = openplc_folder(os.fspath(path))
     if folder is not None:
-        return read_any(path), folder_hash(folder)
+        return read_any(path), folder_hash(folder), b''
     data = read_file(path)
-    return parse_any(data, os.fspath(path)), file_hash(data, os.fspath(path))
+    return parse_any(data, os.fspath(path)), file_hash(data, os.fspath(path)), data

@@ -10,8 +10,10 @@ from random import Random
 
 from compiler.agreement import Machine
 from compiler.circuits import CircuitDrawing, random_circuit
+from compiler.large import SHAPES
 from hypothesis import given, settings
 from hypothesis import strategies as st
+import pytest
 from support.graphs import crossings, shape
 from support.random_rungs import Case, cases, Wishes
 
@@ -139,6 +141,16 @@ def random_graph(rng: Random, size: int) -> Aov:
             chains.append(f'{lines[rng.randrange(place)]} c{count}{read} {line}')
         chains.append(f'{line} k{place}! )')
     return graph('\n'.join(chains))
+
+
+@pytest.mark.parametrize('name', SHAPES)
+def test_large_rung_when_drawn_then_it_is_no_larger_and_crosses_nothing(name: str) -> None:
+    make, size = SHAPES[name]
+    for rung, again, before, after in redrawn(make(size // 5)):
+        assert shape(before) == shape(after)
+        assert again.width <= rung.width
+        assert rows(again) <= rows(rung)
+        assert crossings(again) == 0
 
 
 # -- by hand -------------------------------------------------------------------------------------

@@ -32,6 +32,8 @@ from ladder_ros.edit.operations import apply_edit, COLUMNS
 from ladder_ros.model.component import Block, Coil, Contact, Placement
 from ladder_ros.model.program import Body, Pou, Program, Rung, Variable
 from ladder_ros.model.types import DataType
+from ladder_ros.source.model_to_xml import write_program
+from ladder_ros.source.xml_to_model import parse_program
 
 REFUSALS = {'L0622', 'L0623', 'L0624', 'L0625', 'L0621'}
 NAMES = {'L0203', 'L0204', 'L0209', 'L0210', 'L0213', 'L0310', 'L0201', 'L0307', 'L0216'}
@@ -77,6 +79,8 @@ def test_new_program_when_edited_again_and_again_then_each_state_keeps_the_rules
             assert any(isinstance(c, (Coil, Block)) for c in rung.components)
             assert not any(isinstance(c, Contact) and c.placement.x == rung.width - 1
                            for c in rung.components)
+    text = write_program(program)
+    assert write_program(parse_program(text.encode(), 'blank.xml')) == text
 
 
 @given(cases(Wishes(max_rows=4)), st.randoms(use_true_random=False))

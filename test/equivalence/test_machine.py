@@ -4,18 +4,21 @@
 
 from __future__ import annotations
 
+from itertools import product as product_of
 from pathlib import Path
 
 from hypothesis import given, settings
 import pytest
 from support.random_rungs import Case, cases
 
+from ladder_ros.compiler.il_interpreter import interpret_il
+from ladder_ros.compiler.il_text import parse_il
 from ladder_ros.model.program import Program
-from ladder_ros.model.types import Value
+from ladder_ros.model.types import DataType, Value
 from ladder_ros.proving import subject_of
-from ladder_ros.refactor.equivalence.machine import MOST_ROUNDS, UnsupportedError
+from ladder_ros.refactor.equivalence.machine import Machine, MOST_ROUNDS, UnsupportedError
 from ladder_ros.refactor.equivalence.product import Product
-from ladder_ros.refactor.equivalence.terms import evaluate
+from ladder_ros.refactor.equivalence.terms import BOOL, evaluate, Terms
 from ladder_ros.refactor.equivalence.trials import try_out
 from ladder_ros.runtime.scan_cycle import ScanCycle
 from ladder_ros.source.read_any import parse_any, read_any
@@ -89,6 +92,40 @@ def program_of(text: str) -> Program:
 ])
 def test_text_when_it_branches_and_loops_then_scans_agree(text: str) -> None:
     check_scans(program_of(text), [(0, {'n': value}) for value in (0, 1, 2, 3, 4, 7, -5)])
+
+
+JUMPS = """BODY main
+NETWORK 1
+    LD   a
+    JMP  behind
+NETWORK 2
+    LD   b
+    JMP  last
+NETWORK 3
+    LD   a
+    RET
+NETWORK 4 "behind"
+    LD   TRUE
+    ST   k
+NETWORK 5 "last"
+    LDN  k
+    ST   l
+"""
+
+
+@pytest.mark.parametrize('values', list(product_of((False, True), repeat=4)))
+def test_code_when_it_jumps_forwards_then_it_does_what_the_interpreter_does(
+    values: tuple[bool, ...],
+) -> None:
+    code, slots = parse_il(JUMPS), {name: index for index, name in enumerate('abkl')}
+    terms = Terms()
+    before = [terms.var(name, BOOL) for name in 'abkl']
+    after = Machine(terms, code, slots.__getitem__).run(
+        'main', before, terms.const(0, DataType.TIME))
+    found = evaluate(terms, after, lambda term: values[slots[term.name]])
+    state: list[Value] = list(values)
+    interpret_il(code, slots, {})['main'](state, 0, None)
+    assert [found[term.number] for term in after] == state
 
 
 def test_loop_when_its_rounds_depend_on_an_input_then_it_is_not_supported() -> None:

@@ -201,6 +201,29 @@ def test_programs_when_scanned_at_other_intervals_then_the_answer_is_unknown() -
     assert '20 ms' in proof.reason
 
 
+def test_loop_when_its_rounds_depend_on_an_input_then_the_answer_is_unknown_and_says_so() -> None:
+    def text(step: str) -> Program:
+        body = f'total := 0; WHILE total &lt; n DO total := total + {step}; END_WHILE;'
+        return parse_any((
+            '<project xmlns="http://www.plcopen.org/xml/tc6_0201"><types><pous><pou name="sum" '
+            'pouType="program"><interface><localVars><variable name="n" address="%IW0"><type>'
+            '<INT/></type></variable><variable name="total" address="%QW0"><type><INT/></type>'
+            '</variable></localVars></interface><body><ST><xhtml xmlns='
+            f'"http://www.w3.org/1999/xhtml">{body}</xhtml></ST></body></pou></pous></types>'
+            '</project>').encode(), 'sum.xml')
+
+    proof = prove_programs(text('1'), text('1'))
+    assert proof.answer is Answer.UNKNOWN
+    assert 'a loop that is not surely over' in proof.reason
+
+
+def test_retained_variable_when_its_start_is_open_then_no_proof_rests_on_its_first_value() -> None:
+    kept = '<variable name="m" type="BOOL" retain="true"/>'
+    old = program(rung(1, 'm', '(k)'), kept)
+    assert prove_programs(old, program(rung(1, 'FALSE', '(k)'), kept)).answer is Answer.UNKNOWN
+    assert prove_programs(old, program(rung(1, 'm', 'm', '(k)'), kept)).answer is Answer.YES
+
+
 def test_time_when_it_is_over_then_the_answer_is_unknown() -> None:
     old, new = program(rung(1, 'a', '(S k)')), program(rung(1, 'P a', '(S k)'))
     assert prove_programs(old, new, timeout_s=-1.0).answer is Answer.UNKNOWN

@@ -33,7 +33,7 @@ from ladder_ros.runtime.clock import SimulatedClock
 from ladder_ros.runtime.retain_store import load_retained, Retained, save_retained
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
 from ladder_ros.runtime.simulation import Simulation
-from ladder_ros.session import compile_file, export, replay, Session
+from ladder_ros.session import compile_file, export, replay, Requirement, Session
 from ladder_ros.source.xml_to_model import parse_program
 
 
@@ -173,6 +173,20 @@ def no_solver(folder: Path) -> str:
         return _error_of(lambda: prove_never(folder / 'program.xml', 'motor'))
 
 
+def not_proved(folder: Path) -> str:
+    """Change to another program where only an equivalent one is allowed."""
+    old, new = folder / 'program.xml', folder / 'negated.xml'
+    new.write_text(old.read_text(encoding='utf-8').replace(
+        'operand="motor"/>', 'kind="negated" operand="motor"/>'), encoding='utf-8')
+    with Session(background=False) as session:
+        session.open(old)
+        session.assurance.requirement = Requirement.EQUIVALENT
+        loaded = session.prepare(new)
+        while session.assurance.report(session.loaded, loaded).answer == 'pending':
+            pass
+        return _error_of(lambda: session.commit(loaded)).replace(f'{folder}/', '')
+
+
 # -- the node -------------------------------------------------------------------------------------
 
 def overrides(folder: Path) -> dict[str, Any]:
@@ -237,7 +251,7 @@ def busy_compiler(folder: Path) -> str:
 
 
 def impossible_order(folder: Path) -> str:
-    """Draw a graph whose order of evaluation no drawing has."""
+    """Draw a graph whose order of evaluation is another than its drawing's."""
     program = parse_program((folder / 'program.xml').read_bytes(), 'program.xml')
     aov = analyse(program).graphs['body main'][0]
     backwards = replace(aov, symbols=aov.symbols[::-1])
@@ -264,5 +278,6 @@ MAKERS: Mapping[str, Callable[[Path], str]] = {
     'L0610': busy_compiler,
     'L0620': impossible_order,
     'L0670': no_solver,
+    'L0672': not_proved,
 }
 """By the problem's code: what gives the text of the page, from the folder with its files."""

@@ -5,21 +5,24 @@
 from __future__ import annotations
 
 from pathlib import Path
+from random import Random
 
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 import pytest
 from support.random_rungs import Case
 
+from ladder_ros import refactoring
 from ladder_ros.compiler.pipeline import check_program
 from ladder_ros.diagnostics import has_errors, LadderError
+from ladder_ros.executable import SlotClass
 from ladder_ros.model.component import Column, Row
 from ladder_ros.model.program import RunKind
 from ladder_ros.refactor.auto import refactor
 from ladder_ros.refactor.metrics import measure
 from ladder_ros.refactor.select import extract_part, extract_rungs
 from ladder_ros.runtime.clock import SimulatedClock
-from ladder_ros.session import Session
+from ladder_ros.session import Change, Session
 from ladder_ros.source.model_to_xml import write_program
 from ladder_ros.source.xml_to_model import parse_program, read_program
 from refactor.drawings import (
@@ -161,7 +164,12 @@ def changed(bench: Bench, tmp_path: Path, *rungs: str) -> None:
     new, _ = extract_rungs(read_program(bench.session.loaded.path), 'main', rungs, name='Box')
     path = tmp_path / 'refactored.xml'
     path.write_text(write_program(new))
-    bench.session.load(path)
+    assert_all_kept(bench.session.load(path))
+
+
+def assert_all_kept(change: Change) -> None:
+    assert change.report is not None
+    assert (change.report.initialised, change.report.dropped) == ((), ())
 
 
 def test_change_when_a_latch_was_extracted_then_it_stays_on(
@@ -260,3 +268,32 @@ def test_part_when_any_components_are_chosen_then_it_does_the_same_or_is_refused
         assert code(error) in ('L0631', 'L0620')
         return
     assert_same_run(case.program, parse_program(write_program(new).encode()), case)
+
+
+def test_change_when_the_running_elevator_is_refactored_then_it_goes_on_as_if_nothing_was(
+    tmp_path: Path,
+) -> None:
+    """Every latch, timer, counter and edge memory is kept, and outputs agree from then on."""
+    flat = PROGRAMS / 'elevator_3_floor_flat.xml'
+    smaller = tmp_path / 'auto.xml'
+    smaller.write_text(refactoring.auto(flat).text, encoding='utf-8')
+    stays, changes = Bench(flat), Bench(flat)
+    loaded = stays.session.loaded
+    assert loaded is not None
+    inputs = [slot.path for slot in loaded.executable.io()
+              if slot.slot_class is SlotClass.INPUT]
+    shown = [slot.path for slot in loaded.executable.io()
+             if slot.slot_class is SlotClass.OUTPUT]
+    source = Random(5)
+    seen = set()
+    for number in range(240):
+        written = {name: source.random() < 0.5 for name in inputs if source.random() < 0.05}
+        written['emergency_stop'] = False
+        for bench in (stays, changes):
+            bench.scan(**written)
+        if number == 120:
+            assert_all_kept(changes.session.load(smaller))
+        values = [[bench.session.read(name) for name in shown] for bench in (stays, changes)]
+        assert values[0] == values[1], number
+        seen.add(tuple(values[0]))
+    assert len(seen) > 20

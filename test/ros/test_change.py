@@ -245,3 +245,30 @@ def test_forces_when_a_change_drops_one_then_the_parameter_says_what_is_left(plc
     assert report['forces_dropped'] == ['c']
     running.client.wait_state(forces={'b': '1'})
     until(lambda: running.client.get_parameter('forces') == ['b=1'], 'the parameter')
+
+
+def test_preflight_when_a_proof_is_required_then_only_what_behaves_alike_is_let_in(
+        plc: Start) -> None:
+    pytest.importorskip('z3')
+    running = plc(counting('1'), io=EVERY_SCAN)
+    topic = counter(running)
+    assert running.client.set_parameter('change.require', 'equivalent').successful
+
+    def proved(text: str, name: str) -> dict[str, Any]:
+        candidate(running, text, name)
+        until(lambda: running.client.call('preflight')['proof']['answer'] != 'pending', 'a proof')
+        report: dict[str, Any] = running.client.call('preflight')
+        return report
+
+    other = proved(counting('100'), 'other.xml')
+    assert [refusal['code'] for refusal in other['refusals']] == ['not_proved']
+    assert other['proof']['trace']['values'][0]['name'] == 'n'
+    assert running.client.call('test')['success'] is False
+    refused = running.client.set_parameter('program', 'other.xml')
+    assert not refused.successful and 'L0672' in refused.reason
+    alike = proved(counting('1') + '\n', 'alike.xml')
+    assert (alike['success'], alike['proof']['answer']) == (True, 'equivalent')
+    assert running.client.call('test')['success']
+    assert running.client.call('accept')['success']
+    seen = topic.values[-1]
+    until(lambda: topic.values[-1] > seen, 'counting on')

@@ -171,18 +171,16 @@ REWRITES: tuple[Rewrite, ...] = (swap_contacts, rename, extract)
 
 def mutate(rng: Random, program: Program) -> Program:
     """Change one component of a body: its kind, its operand, or a literal of a block."""
-    changes = [change for body in program.bodies for rung in body.rungs
-               for component in rung.components
-               for change in _mutants(program, body, rung, component)]
-    return rng.choice(changes) if changes else program
-
-
-def _mutants(
-    program: Program, body: Body, rung: Rung, component: Component,
-) -> Iterator[Program]:
-    for changed in _changed(program, component):
-        yield _with_rung(program, body, replace(rung, components=tuple(
-            changed if c is component else c for c in rung.components)))
+    places = [(body, rung, component) for body in program.bodies for rung in body.rungs
+              for component in rung.components]
+    rng.shuffle(places)
+    for body, rung, component in places:
+        changes = list(_changed(program, component))
+        if changes:
+            changed = rng.choice(changes)
+            return _with_rung(program, body, replace(rung, components=tuple(
+                changed if c is component else c for c in rung.components)))
+    return program
 
 
 def _changed(program: Program, component: Component) -> Iterator[Component]:

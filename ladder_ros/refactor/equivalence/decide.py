@@ -23,7 +23,7 @@ from ladder_ros.refactor.equivalence.report import Answer, Effort, Finding, Trac
 from ladder_ros.refactor.equivalence.subject import Subject
 from ladder_ros.refactor.equivalence.to_z3 import require_solver
 from ladder_ros.refactor.equivalence.trials import differs, SCANS, Trials, try_out
-from ladder_ros.refactor.equivalence.unroll import Unrolling
+from ladder_ros.refactor.equivalence.unroll import NOT_CONFIRMED, search, Unrolling
 
 DEFAULT_INTERVAL = 10 * NS_PER_MS
 REACHED = 'only states that the old program reaches from a start'
@@ -115,7 +115,7 @@ class _Decision:
         for exact in (False, True):
             product = self.fresh()
             induction = Induction(product, classes, self.limits.left, exact=exact)
-            induction.run()
+            induction.run([(a, b) for a, b, _ in product.outputs])
             self.effort = replace(
                 self.effort, questions=self.effort.questions + induction.questions,
                 related=sum(len(one.places) for one in classes))
@@ -130,8 +130,7 @@ class _Decision:
 
     def refute(self) -> Finding:
         """Look for a difference from a start."""
-        trace = self.unroll(self.own_interval, self.limits.depth)
-        trace = trace or self.unroll(None, max(self.limits.depth // 2, 2))
+        trace = self.unroll(self.limits.depth)
         if trace is not None:
             return self.found(Answer.NO, trace=trace)
         if self.after_change:
@@ -147,31 +146,26 @@ class _Decision:
     def own_interval(self) -> int:
         return next((s.interval for s in self.subjects if s.interval), DEFAULT_INTERVAL)
 
-    def unroll(self, interval: int | None, depth: int) -> Trace | None:
-        product = self.fresh()
-        unrolling = Unrolling(
-            product, product.difference, self.limits.left, interval=interval)
-        return self.search(unrolling, depth)
+    def unroll(self, depth: int) -> Trace | None:
+        """Look for the fewest scans that make a difference, with the own interval or another."""
+        unrollings = []
+        for interval in (self.own_interval, None):
+            product = self.fresh()
+            unrollings.append(Unrolling(
+                product, product.difference, self.limits.left, interval=interval))
+        return self.search(unrollings, depth)
 
-    def search(self, unrolling: Unrolling, depth: int) -> Trace | None:
+    def search(self, unrollings: Sequence[Unrolling], depth: int) -> Trace | None:
         """Unroll until something shows that a run confirms."""
-        found = None
-        while unrolling.depth < depth and self.limits.left() > 0:
-            trace = unrolling.next()
-            if trace is None:
-                continue
-            if self.confirm(trace):
-                found = trace
-            else:
-                self.doubt = ('what the solver found does not happen: it depends on functions '
-                              'that are not modelled exactly')
-            break
-        self.effort = replace(
-            self.effort, depth=max(self.effort.depth, unrolling.depth),
-            questions=self.effort.questions + unrolling.questions)
+        trace, depth, questions = search(unrollings, depth, self.limits.left)
+        self.effort = replace(self.effort, depth=max(self.effort.depth, depth),
+                              questions=self.effort.questions + questions)
         if self.limits.left() <= 0:
             self.doubt = self.doubt or 'the time is over'
-        return found
+        if trace is not None and not self.confirm(trace):
+            self.doubt = NOT_CONFIRMED
+            return None
+        return trace
 
     def unroll_changes(self) -> Trace | None:
         """Look for a difference after a change: the fewest scans, then the earliest change."""
@@ -180,9 +174,9 @@ class _Decision:
                 if self.limits.left() <= 0:
                     return None
                 product = self.fresh()
-                trace = self.search(Unrolling(
+                trace = self.search([Unrolling(
                     product, product.difference, self.limits.left,
-                    interval=self.own_interval, change_before=before), depth)
+                    interval=self.own_interval, change_before=before)], depth)
                 if trace is not None:
                     return trace
         return None
@@ -200,8 +194,7 @@ class _Decision:
         """Return the shortest difference, where random scans have shown one."""
         assert trials.trace is not None
         depth = min(self.limits.depth, len(trials.trace.rows))
-        trace = self.unroll(self.own_interval, depth)
-        trace = trace or self.unroll(None, depth)
+        trace = self.unroll(depth)
         if trace is not None:
             return self.found(Answer.NO, trace=trace)
         return self.by_trial(trials)

@@ -10,6 +10,7 @@ equal values is one term and needs no question.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -56,6 +57,8 @@ class Induction:
                 self._new((place,))
         self._inputs = product.input_terms('')
         self._moment = product.free_moment()
+        self._members: Counter[tuple[int, int]] | None = None
+        """How many places of a class have a next value."""
         self.before: list[Term] = []
         self.after: list[Term] = []
 
@@ -70,12 +73,13 @@ class Induction:
         """Say whether two places are always equal, as far as is known."""
         return self._class[a] == self._class[b]
 
-    def run(self) -> bool:
+    def run(self, needed: Sequence[tuple[int, int]] = ()) -> bool:
         """Take the classes apart until they stay; say whether there was time for it.
 
-        Nothing is known without.  Raises UnsupportedError.
+        Nothing is known without.  It ends early where a needed pair of places comes apart.
+        Raises UnsupportedError.
         """
-        while self.left() > 0:
+        while self.left() > 0 and all(self.holds(a, b) for a, b in needed):
             self._scan()
             if not self._refine():
                 return True
@@ -93,6 +97,7 @@ class Induction:
                     terms.const(self._constants[known], types[place])
                     if known in self._constants else terms.var(f's{place}', types[place]))
         self.before = [leaves[known] for known in self._class]
+        self._members = None
         self.after = self.product.scan(self.before, self._inputs, self._moment)
 
     def _doubts(self) -> list[tuple[int, Term]]:
@@ -136,26 +141,31 @@ class Induction:
     def _is_apart(self, place: int, expected: Term) -> bool:
         """Say whether a place is no longer in a class with a place of that next value."""
         known = self._class[place]
-        return known not in self._constants and not any(
-            other != place and self._class[other] == known and self.after[other] is expected
-            for other in range(len(self._class)))
+        if self._members is None:
+            self._members = Counter(
+                (one, after.number)
+                for one, after in zip(self._class, self.after, strict=True))
+        return known not in self._constants and not self._members[known, expected.number]
 
     def _alone(self, place: int) -> None:
+        self._members = None
         self._class[place] = self._count
         self._count += 1
 
     def _split(self, values: Mapping[str, Value]) -> None:
         """Take all classes apart as the values after one scan do."""
+        self._members = None
         found = self._values(values)
         fresh: dict[tuple[int, str], int] = {}
+        kept: set[int] = set()
         for place, known in enumerate(self._class):
             shown = repr(found[self.after[place].number])
             if known in self._constants and shown == repr(self._constants[known]):
                 continue
             key = known, shown
             if key not in fresh:
-                is_first = known not in self._constants and not any(
-                    other == known for other, _ in fresh)
+                is_first = known not in self._constants and known not in kept
+                kept.add(known)
                 fresh[key] = known if is_first else self._count
                 self._count += not is_first
             self._class[place] = fresh[key]

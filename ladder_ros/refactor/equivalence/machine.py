@@ -78,11 +78,29 @@ Exit = tuple[Term, Layer]
 
 @dataclass(slots=True, kw_only=True)
 class _Place:
-    """Where control is: the conditions so far, and what leaves the routine or a loop from here."""
+    """Where control is: the conditions so far, and what leaves the routine or a loop from here.
+
+    ``labels`` are those of the routine, ``number`` that of the network; ``jumps`` are on their way
+    to a later network.
+    """
 
     path: Term
     returns: list[Exit]
     breaks: list[list[Exit]] = field(default_factory=list)
+    labels: Mapping[str, int] = field(default_factory=dict)
+    number: int = 0
+    jumps: dict[int, list[Exit]] = field(default_factory=dict)
+
+    def exits(self, instruction: Instruction) -> list[Exit]:
+        """Return where what leaves at an instruction is collected."""
+        if instruction.op is Op.BRK:
+            return self.breaks[-1]
+        target = self.labels.get(instruction.label)
+        if instruction.op is Op.RET or target is None:
+            return self.returns
+        if target <= self.number:
+            raise UnsupportedError('a jump backwards')
+        return self.jumps.setdefault(target, [])
 
 
 class Machine:
@@ -123,12 +141,17 @@ class Machine:
 
     def _routine(self, routine: Routine) -> None:
         before = self.layer
-        place = _Place(path=self.terms.true, returns=[])
+        place = _Place(path=self.terms.true, returns=[], labels=routine.labels())
         alive = True
-        for network in routine.networks:
-            alive = self._network(network, place)
-            if not alive:
-                break
+        for number, network in enumerate(routine.networks):
+            place.number = number
+            arriving = place.jumps.pop(number, [])
+            if arriving:
+                self._join(before, arriving, alive)
+                guards = [guard for guard, _ in arriving]
+                place.path = self.terms.or_(*guards, *([place.path] if alive else []))
+                alive = True
+            alive = alive and self._network(network, place)
         self._join(before, place.returns, alive)
 
     def _network(self, network: Network, place: _Place) -> bool:
@@ -179,9 +202,8 @@ class Machine:
                     self._loop(code, at + 1, close, place)
                     at = close + 1
                     continue
-                case Op.RET | Op.BRK:
-                    exits = place.returns if instruction.op is Op.RET else place.breaks[-1]
-                    if self._leave(exits, place):
+                case Op.RET | Op.BRK | Op.JMP:
+                    if self._leave(place.exits(instruction), place):
                         return False
                 case _:
                     self._step(instruction)

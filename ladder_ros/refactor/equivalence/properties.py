@@ -30,7 +30,7 @@ from ladder_ros.refactor.equivalence.subject import free_moment, scan_moment, Su
 from ladder_ros.refactor.equivalence.terms import evaluate, Term
 from ladder_ros.refactor.equivalence.to_z3 import require_solver, Sat, Solver
 from ladder_ros.refactor.equivalence.trials import SCANS, Shows, try_out
-from ladder_ros.refactor.equivalence.unroll import Unrolling
+from ladder_ros.refactor.equivalence.unroll import NOT_CONFIRMED, search, Unrolling
 
 _QUICK = 3
 """Scans that are unrolled before a proof is tried."""
@@ -100,29 +100,24 @@ class _Question:
     # -- a way there
 
     def search(self, depth: int) -> Finding | None:
-        """Look for the shortest way to the condition, with the program's interval and any."""
-        for interval in (self.subject.interval or DEFAULT_INTERVAL, None):
-            trace = self.unroll(depth, interval)
-            if trace is not None:
-                return Finding(answer=Answer.NO, trace=trace, effort=self.effort)
-        return None
+        """Look for the shortest way to the condition, with the program's interval or another."""
+        unrollings = [self.unrolling(interval)
+                      for interval in (self.subject.interval or DEFAULT_INTERVAL, None)]
+        trace, depth, questions = search(unrollings, depth, self.limits.left)
+        self.effort = replace(self.effort, depth=max(self.effort.depth, depth),
+                              questions=self.effort.questions + questions)
+        if trace is None:
+            return None
+        if not self.confirm(trace):
+            self.doubt = NOT_CONFIRMED
+            return None
+        return Finding(answer=Answer.NO, trace=trace, effort=self.effort)
 
-    def unroll(self, depth: int, interval: int | None) -> Trace | None:
+    def unrolling(self, interval: int | None) -> Unrolling:
         product = Product([self.subject])
-        unrolling = Unrolling(
+        return Unrolling(
             product, lambda state: _value(product, self.condition, state), self.limits.left,
             interval=interval)
-        trace = None
-        while trace is None and unrolling.depth < depth and self.limits.left() > 0:
-            trace = unrolling.next()
-        self.effort = replace(
-            self.effort, depth=max(self.effort.depth, unrolling.depth),
-            questions=self.effort.questions + unrolling.questions)
-        if trace is not None and not self.confirm(trace):
-            self.doubt = ('what the solver found does not happen: it depends on functions that '
-                          'are not modelled exactly')
-            return None
-        return trace
 
     def by_trial(self) -> Finding | None:
         """Look for a way that need not be the shortest: random scans."""

@@ -12,8 +12,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from enum import Enum
+import importlib.util
 import math
 import struct
+import sys
 from typing import Any
 
 from ladder_ros.diagnostics import LadderError, Location
@@ -28,10 +30,20 @@ from ladder_ros.model.types import (
 from ladder_ros.refactor.equivalence.functions import is_exact_conversion
 from ladder_ros.refactor.equivalence.terms import AND, CONST, ITE, NOT, Term, VAR
 
-try:
-    import z3
-except ImportError:  # an optional dependency
-    z3 = None
+
+def _when_used(name: str) -> Any:
+    """Return a package that is imported when it is first used; None if it is not installed."""
+    spec = importlib.util.find_spec(name)
+    if spec is None or spec.loader is None:
+        return None
+    spec.loader = importlib.util.LazyLoader(spec.loader)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+z3 = _when_used('z3')
 
 LATEST = 1 << 62
 """Scans happen between the time 0 and this one, in ns: 146 years."""

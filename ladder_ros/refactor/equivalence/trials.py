@@ -88,10 +88,12 @@ def try_out(
                     interval=interval, rows=tuple(run.rows), new_rows=tuple(run.new_rows)))
     signatures: list[tuple[str, ...] | None] = [tuple(values) for values in seen]
     for number, subject in enumerate(product.subjects):
-        # Whether the program has been started, and what tasks have seen, is nobody's equal.
+        # Whether the program has been started, and what tasks have seen, is nobody's equal; what
+        # is retained may have any value at a warm start.
         start = number * product.first
-        for place in range(start + subject.started, start + len(subject.types)):
-            signatures[place] = None
+        retained = [slot.index for slot in subject.executable.slots if slot.retain]
+        for index in (*retained, *range(subject.started, len(subject.types))):
+            signatures[start + index] = None
     return Trials(signatures=signatures)
 
 

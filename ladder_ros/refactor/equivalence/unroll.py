@@ -21,6 +21,10 @@ LONGEST_INTERVAL = 3600 * NS_PER_S
 SHORTEST_INTERVAL = NS_PER_MS
 _INTERVAL = 'interval'
 
+NOT_CONFIRMED = ('what the solver found does not happen: it depends on functions that are not '
+                 'modelled exactly')
+"""Why a trace counts for nothing."""
+
 Goal = Callable[[Sequence[Term]], Term]
 """Says of the state after a scan whether it shows what is looked for."""
 
@@ -88,11 +92,6 @@ class Unrolling:
             self._solver.add(terms.not_(goal))
         return None
 
-    @property
-    def is_sure(self) -> bool:
-        """Whether each question so far was answered."""
-        return not self._skipped
-
     def _scan(self, number: int, inputs: Mapping[int, Term], moment: Moment) -> list[Term]:
         product = self.product
         if self._change_before is None:
@@ -111,6 +110,18 @@ class Unrolling:
         return trace_of(
             self.product, values, self.depth, interval=interval,
             change_before=self._change_before, is_shortest=not self._skipped)
+
+
+def search(
+    unrollings: Sequence[Unrolling], depth: int, left: Callable[[], float],
+) -> tuple[Trace | None, int, int]:
+    """Unroll side by side until one shows something; return that, the depth and the questions."""
+    trace, reached = None, 0
+    while trace is None and reached < depth and left() > 0:
+        reached += 1
+        for unrolling in unrollings:
+            trace = trace or unrolling.next()
+    return trace, reached, sum(unrolling.questions for unrolling in unrollings)
 
 
 def trace_of(
