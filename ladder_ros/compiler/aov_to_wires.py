@@ -389,17 +389,17 @@ class _Network:
 
     def copy(self, operand: Operand) -> Ref:
         """Put a value into a variable, so that it can be passed by reference."""
-        name = self.maker.names.temporary(operand.type)
+        kept = Ref(path=f'%copy.{self.maker.new_id()}', type=operand.type)
         variable = InVariable(
             id=self.maker.new_id(), operand=self.maker.text(operand),
             placement=replace(self.place(()), width=60))
         self.put(variable)
         target = OutVariable(
-            id=self.maker.new_id(), operand=name,
+            id=self.maker.new_id(), operand=self.maker.text(kept),
             placement=replace(variable.placement, x=variable.placement.x + _COLUMN))
         self.put(target)
         self.connect([Port(component=variable.id)], Port(component=target.id))
-        return Ref(path=name, type=operand.type)
+        return kept
 
 
 RAIL_END = 25

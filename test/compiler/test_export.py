@@ -209,3 +209,22 @@ def test_imported_when_a_variable_is_not_declared_then_it_is_exported_all_the_sa
 ) -> None:
     drawn = read(ladder(element('contact', 1, [0], 'a') + element('coil', 2, [1], 'q', x=9)))
     assert_same_runs(drawn, there_and_back(drawn, form))
+
+
+@pytest.mark.parametrize('form', FORMS)
+def test_composite_when_it_may_see_a_variable_twice_then_its_constants_are_passed_too(
+    form: str,
+) -> None:
+    program = parse_program(
+        b'<ladder version="1" name="p"><composites><composite name="Copy" call="enabled">'
+        b'<parameter name="first" type="BOOL" direction="inout"/>'
+        b'<parameter name="second" type="BOOL" direction="inout"/>'
+        b'<parameter name="given" type="BOOL" direction="input" default="TRUE"/>'
+        b'<parameter name="result" type="BOOL" direction="output"/>'
+        b'<rung id="1" width="2"><contact id="a" x="0" y="0" operand="given"/>'
+        b'<coil id="b" x="1" y="0" operand="result"/></rung></composite></composites><variables>'
+        b'<variable name="same" type="BOOL"/><variable name="out" class="output" type="BOOL"/>'
+        b'</variables><body name="main"><rung id="1" width="2">'
+        b'<instance id="i" x="0" y="0" width="2" composite="Copy" instance="copy"'
+        b' bind="first=same second=same result=out"/></rung></body></ladder>', 'p.xml')
+    assert Machine(there_and_back(program, form)).scan()['out'] is True
