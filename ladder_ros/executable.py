@@ -97,6 +97,18 @@ class Variant:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Form:
+    """A faster form of a running program: its plain scan functions, and the state they work on.
+
+    ``adapt`` makes functions of another variant, which work on lists, work on such a state.
+    """
+
+    functions: Mapping[str, Scan]
+    make_state: Callable[[Sequence[Value]], State]
+    adapt: Callable[[Mapping[str, Scan]], Mapping[str, Scan]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Entry:
     """A body of the program: runs once at start or in a task every ``interval`` ns.
 
@@ -165,6 +177,8 @@ class Executable:
     """Slots by casefolded path."""
     make_state: Callable[[Sequence[Value]], State] = list
     """Makes a state of values, one a slot, in the form that its scan functions work on."""
+    faster: Callable[[], Form] | None = None
+    """Makes a faster form of the program, which takes long; None if there is none."""
     routines: tuple[RoutineEntry, ...] = ()
     tasks: tuple[TaskEntry, ...] = ()
     rungs: tuple[RungEntry, ...] = ()

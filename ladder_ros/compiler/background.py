@@ -25,10 +25,12 @@ from typing import Any, BinaryIO
 
 import ladder_ros
 from ladder_ros.blocks import FUNCTIONS
+from ladder_ros.compiler.native import load_native, NativeProgram, on_values
+from ladder_ros.compiler.native_state import StateForm
 from ladder_ros.compiler.pipeline import BACKENDS, Compilation, compile_program
 from ladder_ros.compiler.worker import receive, send
 from ladder_ros.diagnostics import LadderError, Location
-from ladder_ros.executable import Executable, Scan, State, Variant
+from ladder_ros.executable import Executable, Form, Scan, State, Variant
 from ladder_ros.model.types import DataType
 from ladder_ros.source.read_any import file_hash, parse_any
 
@@ -107,6 +109,22 @@ class _Build:
         return self._process.build(self._key, self._source, variant)
 
 
+class _Faster:
+    """Makes the native form of a program: object code there, linked here."""
+
+    def __init__(self, process: CompilerProcess, key: str, file: str) -> None:
+        self._process = process
+        self._key = key
+        self._file = file
+
+    def __call__(self) -> Form:
+        program, rest, objects = self._process.native(self._key, self._file)
+        form = StateForm(program.layout)
+        return Form(
+            functions=load_native(program, objects, rest), make_state=form,
+            adapt=lambda functions: {body: on_values(scan) for body, scan in functions.items()})
+
+
 class CompilerProcess:
     """The process, started when it is first needed; calls from many threads take turns."""
 
@@ -162,7 +180,32 @@ class CompilerProcess:
                     self._compile(process, key, source)
         except (_Gone, OSError):
             pass
-        return _compile_here(source).executable.build(variant)
+        return _compile_here(source).first(variant)
+
+    def native(
+        self, key: str, file: str, timeout: float = DEFAULT_TIMEOUT,
+    ) -> tuple[NativeProgram, Mapping[str, Scan], list[bytes]]:
+        """Make the object code of a program that was compiled, a module in each turn.
+
+        Others have their turns in between.  Returns what `native.load_native` needs.  Raises
+        OSError if the process does not know the program any more, or has ended.
+        """
+        with self._turn, self._bounded(timeout, file) as process:
+            program, modules = self._answer(process, ('native', key))
+            rest = _read_code(process, _breathless)
+        objects: list[bytes] = []
+        for number in range(modules):
+            with self._turn, self._bounded(timeout, file) as process:
+                objects.append(self._answer(process, ('object', key, number)))
+        return program, rest, objects
+
+    def _answer(self, process: BinaryIO, request: object) -> Any:
+        """Return the answer to a request.  Raises OSError if there is none."""
+        self._ask(process, request)
+        word, content = _load(process)
+        if word != 'fine':
+            raise OSError('the compiler does not know the program any more')
+        return content
 
     def _compile(
         self, process: BinaryIO, key: str, source: tuple[bytes, str, str, str],
@@ -176,8 +219,10 @@ class CompilerProcess:
             return None
         layout = _read_layout(process, breathe)
         code = _read_code(process, breathe)
-        return Compilation(diagnostics=content, executable=Executable(
-            **layout, build=_Build(self, key, source, code)))
+        build = _Build(self, key, source, code)
+        is_native = layout['backend'] == 'native'
+        return Compilation(diagnostics=content, first=build, executable=Executable(
+            **layout, build=build, faster=_Faster(self, key, source[1]) if is_native else None))
 
     def _ask(self, process: BinaryIO, request: object) -> None:
         assert self._process is not None and self._process.stdin is not None

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 import ctypes
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 import hashlib
 from itertools import groupby
 
@@ -49,16 +49,14 @@ _CHUNKS = 32
 class Part:
     """A part of a body: a native function's symbol, or networks that Python runs.
 
-    ``chunks`` are the functions that a native one calls, with what they do.
+    ``chunks`` are the functions that a native one calls; ``tables`` say what they do, if there are
+    so many of them that it pays to leave some out.
     """
 
     symbol: str = ''
-    chunks: tuple[tuple[str, Activity], ...] = ()
+    chunks: tuple[str, ...] = ()
+    tables: EventTables | None = None
     networks: tuple[Network, ...] = ()
-
-
-def _is_large(part: Part) -> bool:
-    return len(part.chunks) >= _LEAST_CHUNKS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,7 +127,7 @@ class _Emitter:
         if rest:
             rest += inner
         modules = list(self.modules())
-        if any(_is_large(part) for several in parts.values() for part in several):
+        if any(part.tables for several in parts.values() for part in several):
             modules.append(KERNEL)
         return NativeProgram(
             layout=self.memory.layout, modules=tuple(modules), parts=parts,
@@ -167,8 +165,11 @@ class _Emitter:
             symbol = f'body_{len(self.drivers)}'
             self.keep(functions)
             self.drivers.append(self.driver(symbol, functions))
-            yield Part(symbol=symbol, chunks=tuple(
-                (function.symbol, function.chunk.activity) for function in functions))
+            activities = [function.chunk.activity for function in functions]
+            yield Part(
+                symbol=symbol, chunks=tuple(function.symbol for function in functions),
+                tables=EventTables(activities, self.memory.layout)
+                if len(functions) >= _LEAST_CHUNKS else None)
 
     def fault(self, network: Network) -> str:
         """Return why a network is not native, or ''."""
@@ -235,6 +236,14 @@ def _may_fail(instruction: Instruction) -> bool:
         instruction.operand, Element)
 
 
+def without_code(program: NativeProgram) -> NativeProgram:
+    """Return what :func:`load_native` needs of a program besides its object code."""
+    return replace(
+        program, modules=(), rest=InstructionList(routines=()),
+        parts={body: tuple(replace(part, networks=()) for part in parts)
+               for body, parts in program.parts.items()})
+
+
 # -- running -------------------------------------------------------------------------------------
 
 _Step = Callable[..., int]
@@ -255,8 +264,8 @@ def load_native(
     linked = Linked(objects)
 
     def part_scan(part: Part) -> _PartScan:
-        if by_events and _is_large(part):
-            return _by_events(part, program.layout, linked)
+        if by_events and part.tables is not None:
+            return _by_events(part, part.tables, linked)
         return _native_part(_PLAIN(linked.address(part.symbol)), linked)
 
     def scan_of(body: str, parts: Sequence[Part]) -> Scan:
@@ -285,10 +294,9 @@ def _native_part(step: _Step, linked: Linked) -> _PartScan:
     return scan
 
 
-def _by_events(part: Part, layout: NativeLayout, linked: Linked) -> _PartScan:
-    tables = EventTables([activity for _, activity in part.chunks], layout)
-    bound = tables.bind([linked.address(symbol) for symbol, _ in part.chunks],
-                        linked.address(part.symbol))
+def _by_events(part: Part, tables: EventTables, linked: Linked) -> _PartScan:
+    bound = tables.bind(
+        [linked.address(symbol) for symbol in part.chunks], linked.address(part.symbol))
     step = _KERNEL(linked.address(SYMBOL))
     size, place = tables.area, ctypes.addressof(bound)
 

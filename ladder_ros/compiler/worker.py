@@ -20,7 +20,10 @@ import sys
 from types import CodeType, FunctionType
 from typing import Any, BinaryIO
 
-from ladder_ros.compiler.pipeline import compile_program
+from ladder_ros.compiler.llvm_machine import make_object
+from ladder_ros.compiler.native import without_code
+from ladder_ros.compiler.object_cache import ObjectCache
+from ladder_ros.compiler.pipeline import Compilation, compile_program
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Executable, Scan, Variant
 from ladder_ros.source.read_any import parse_any
@@ -107,23 +110,45 @@ class Worker:
 
     def __init__(self) -> None:
         """Nothing is compiled yet."""
-        self._known: OrderedDict[str, Executable] = OrderedDict()
+        self._known: OrderedDict[str, Compilation] = OrderedDict()
+        self._modules: tuple[str, tuple[str, ...]] = '', ()
+        """The texts of native modules that are to become object code, of one program."""
 
     def answer(self, request: Any) -> Iterator[bytes]:
         """Yield the frames of an answer.
 
-        ``('compile', key, bytes, file, backend, hash)`` or ``('variant', key, Variant)``.
+        ``('compile', key, bytes, file, backend, hash)``, ``('variant', key, Variant)``,
+        ``('native', key)`` for all of the native form but its object code, or then
+        ``('object', key, number)`` for one of its modules.
         """
         match request:
             case ('compile', key, data, file, backend, source_hash):
                 yield from self._compile(key, data, file, backend, source_hash)
             case ('variant', key, variant):
-                executable = self._known.get(key)
-                if executable is None:
+                known = self._known.get(key)
+                if known is None:
                     yield pickle.dumps(('unknown', None))
                     return
                 yield pickle.dumps(('fine', None))
-                yield from pack_code(executable.build(variant))
+                yield from pack_code(known.first(variant))
+            case ('native', key):
+                yield from self._native(key)
+            case ('object', key, number):
+                if self._modules[0] != key:
+                    yield pickle.dumps(('unknown', None))
+                    return
+                made = make_object(self._modules[1][number], ObjectCache())
+                yield pickle.dumps(('fine', made))
+
+    def _native(self, key: str) -> Iterator[bytes]:
+        known = self._known.get(key)
+        if known is None or known.native is None:
+            yield pickle.dumps(('unknown', None))
+            return
+        program, rest = known.native()
+        self._modules = key, program.modules
+        yield pickle.dumps(('fine', (without_code(program), len(program.modules))))
+        yield from pack_code(rest)
 
     def _compile(
         self, key: str, data: bytes, file: str, backend: str, source_hash: str,
@@ -132,14 +157,14 @@ class Worker:
             compilation = compile_program(
                 parse_any(data, file), backend=backend, source_hash=source_hash)
             executable = compilation.executable
-            code = list(pack_code(executable.build(Variant())))
+            code = list(pack_code(compilation.first(Variant())))
         except LadderError as error:
             yield pickle.dumps(('wrong', error.diagnostics))
             return
         except NotSendableError:
             yield pickle.dumps(('local', None))
             return
-        self._known[key] = executable
+        self._known[key] = compilation
         while len(self._known) > _KEPT:
             self._known.popitem(last=False)
         yield pickle.dumps(('fine', compilation.diagnostics))

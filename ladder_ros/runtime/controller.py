@@ -11,7 +11,7 @@ import threading
 from typing import TypeVar
 
 from ladder_ros.diagnostics import InternalError, LadderError, Location
-from ladder_ros.executable import Executable
+from ladder_ros.executable import Executable, Form
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.clock import Clock, MonotonicClock, rest
 from ladder_ros.runtime.errands import Errands
@@ -297,6 +297,11 @@ class Controller:
                     lambda: self._programs.accept(self._loaded('accepting'))):
                 raise _no_test('accepting')
 
+    def move_to(self, executable: Executable, form: Form) -> None:
+        """Let a program go on in a faster form between two scans, if it is still there."""
+        state = form.make_state(executable.initial_state())
+        self._boundary(lambda: self._programs.move_to(executable, form, state))
+
     def run_shadow(self, shadow: Shadow) -> None:
         """Let another program scan along; replaces one that does so already."""
         with self._request('a shadow run'):
@@ -355,9 +360,7 @@ class Controller:
             cycle = self._loaded('reading')
             return cycle.executable, list(cycle.state)
 
-    def values_of(
-        self, indices: Iterable[int],
-    ) -> tuple[Executable, tuple[Value, ...]]:
+    def values_of(self, indices: Iterable[int]) -> tuple[Executable, tuple[Value, ...]]:
         """Return the program and some of its values, of one moment between two scans."""
         wanted = tuple(indices)
 
@@ -552,11 +555,8 @@ class Controller:
 
     def _boundary(self, action: Callable[[], _T]) -> _T:
         """Have something done between two scans, by the scan thread if there is one."""
-        def alone() -> None:
-            self._alone(self._errands.run)
-
-        return self._errands.ask(
-            lambda: self._alone(action), self._thread, self._clock.wake, alone)
+        return self._errands.ask(lambda: self._alone(action), self._thread, self._clock.wake,
+                                 lambda: self._alone(self._errands.run))
 
     def _alone(self, action: Callable[[], _T]) -> _T:
         with self._gate, self._between:

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 import threading
 
-from ladder_ros.executable import Executable, SlotClass
+from ladder_ros.executable import Executable, Form, SlotClass, State
 from ladder_ros.model.types import normalise, Value
 from ladder_ros.runtime.state_plan import StatePlan
 
@@ -62,16 +62,25 @@ class ProcessImage:
     Only :meth:`write` may be called while a scan runs.
     """
 
-    def __init__(self, executable: Executable) -> None:
-        """Start with the initial state, nothing pending and nothing forced."""
+    def __init__(self, executable: Executable, form: Form | None = None) -> None:
+        """Start with the initial state, nothing pending and nothing forced.
+
+        The state is as a faster form of the program has it, if there is one already.
+        """
         self._slots = executable.slots
-        self._make_state = executable.make_state
-        self.state = executable.initial_state()
+        self._make_state = form.make_state if form is not None else executable.make_state
+        initial = executable.initial_state()
+        self.state = initial if form is None else form.make_state(initial)
         self._pending = PendingInputs()
         self._forces: dict[int, Value] = {}
         self._behind: dict[int, Value] = {}  # values that wait behind a force
         self._inputs = tuple(
             slot.index for slot in self._slots if slot.slot_class is SlotClass.INPUT)
+
+    def take_form(self, form: Form, state: State) -> None:
+        """Go on with a state of another form: ``state``, whose values do not count."""
+        state[:] = self.state
+        self.state, self._make_state = state, form.make_state
 
     def write(self, index: int, value: Value, catch_pulse: bool = False) -> None:
         """Give a variable a value before the next scan; see :meth:`PendingInputs.write`.
