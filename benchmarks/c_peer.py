@@ -15,7 +15,7 @@ from pathlib import Path
 import shutil
 import subprocess
 
-from synthetic import Plant, Spec, STATION_INPUTS, STATION_OUTPUTS
+from support.plants import Plant, Spec, STATION_INPUTS, STATION_OUTPUTS
 
 _RUNGS = 250
 """Rungs in a C function."""

@@ -181,15 +181,37 @@ fill:
   br i1 %f_more, label %fill, label %done
 compare:
   %at = phi i64 [ 0, %entry ], [ %at_next, %compared ]
-  %mine_p = getelementptr i8, ptr %s, i64 %at
-  %mine = load <8 x i64>, ptr %mine_p, align 8
-  %old_p = getelementptr i8, ptr %shadow, i64 %at
-  %old = load <8 x i64>, ptr %old_p, align 8
-  %x = xor <8 x i64> %mine, %old
+  %at0 = add i64 %at, 0
+  %mine0_p = getelementptr i8, ptr %s, i64 %at0
+  %mine0 = load <8 x i64>, ptr %mine0_p, align 8
+  %old0_p = getelementptr i8, ptr %shadow, i64 %at0
+  %old0 = load <8 x i64>, ptr %old0_p, align 8
+  %x0 = xor <8 x i64> %mine0, %old0
+  %at1 = add i64 %at, 64
+  %mine1_p = getelementptr i8, ptr %s, i64 %at1
+  %mine1 = load <8 x i64>, ptr %mine1_p, align 8
+  %old1_p = getelementptr i8, ptr %shadow, i64 %at1
+  %old1 = load <8 x i64>, ptr %old1_p, align 8
+  %x1 = xor <8 x i64> %mine1, %old1
+  %at2 = add i64 %at, 128
+  %mine2_p = getelementptr i8, ptr %s, i64 %at2
+  %mine2 = load <8 x i64>, ptr %mine2_p, align 8
+  %old2_p = getelementptr i8, ptr %shadow, i64 %at2
+  %old2 = load <8 x i64>, ptr %old2_p, align 8
+  %x2 = xor <8 x i64> %mine2, %old2
+  %at3 = add i64 %at, 192
+  %mine3_p = getelementptr i8, ptr %s, i64 %at3
+  %mine3 = load <8 x i64>, ptr %mine3_p, align 8
+  %old3_p = getelementptr i8, ptr %shadow, i64 %at3
+  %old3 = load <8 x i64>, ptr %old3_p, align 8
+  %x3 = xor <8 x i64> %mine3, %old3
+  %x01 = or <8 x i64> %x0, %x1
+  %x23 = or <8 x i64> %x2, %x3
+  %x = or <8 x i64> %x01, %x23
   %any = call i64 @llvm.vector.reduce.or.v8i64(<8 x i64> %x)
   %differs = icmp ne i64 %any, 0
-  br i1 %differs, label %words8, label %compared
-words8:
+  br i1 %differs, label %words32, label %compared
+words32:
   %k = phi i64 [ 0, %compare ], [ %k_next, %word_done ]
   %k_byte = shl i64 %k, 3
   %k_at = add i64 %at, %k_byte
@@ -207,10 +229,10 @@ word_changed:
   br label %word_done
 word_done:
   %k_next = add i64 %k, 1
-  %k_more = icmp ult i64 %k_next, 8
-  br i1 %k_more, label %words8, label %compared
+  %k_more = icmp ult i64 %k_next, 32
+  br i1 %k_more, label %words32, label %compared
 compared:
-  %at_next = add i64 %at, 64
+  %at_next = add i64 %at, 256
   %at_more = icmp ult i64 %at_next, %size
   br i1 %at_more, label %compare, label %done
 done:

@@ -1,6 +1,6 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Programs of any size that look like those of machines, for the benchmarks.
+"""Programs of any size that look like those of machines.
 
 A rung has five to seven contacts in two parallel groups, a third of them normally closed.  Of ten
 rungs one sets or resets, one in twenty ends in an on-delay, one in fifty in a counter.  Contacts
