@@ -9,13 +9,14 @@ structure.  The expert's: a byte a variable, and operators without branches.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 import ctypes
 from pathlib import Path
+import re
 import shutil
 import subprocess
 
-from support.plants import Plant, Spec, STATION_INPUTS, STATION_OUTPUTS
+from support.plants import Plant, Spec
 
 _RUNGS = 250
 """Rungs in a C function."""
@@ -76,6 +77,8 @@ static inline void ctu(CTU *d, BOOL cu, BOOL r, INT pv) {
 }
 """
 
+_VARIABLE = re.compile(r'\b((?:b_)?[kxmqi]\d+(?:_\d+)?|common)\b')
+
 STYLES = {'matiec': _MATIEC, 'expert': _EXPERT}
 
 
@@ -135,7 +138,7 @@ class CPeer:
     """A plant compiled by gcc and loaded: ``inputs`` are written by :meth:`write`."""
 
     def __init__(self, plant: Plant, style: str, folder: Path, flags: str = '-O2') -> None:
-        """Generate, compile and load it; ``seconds`` are gcc's, by the caller's clock."""
+        """Generate, compile and load it."""
         folder.mkdir(parents=True, exist_ok=True)
         specs = list(_flat(plant))
         outputs = [spec.target for spec in specs]
@@ -147,8 +150,7 @@ class CPeer:
         fields = ''.join(f'V {name};' for name in names) + ''.join(
             f'{kind} {name};' for kind, name in blocks)
         head = STYLES[style] + f'typedef struct {{ {fields} }} ALL;\nextern ALL all;\n'
-        head += ''.join(f'#define {name} all.{name}_\n' for name in ())
-        (folder / 'all.h').write_text(head.replace('extern TIME now', 'extern TIME now'))
+        (folder / 'all.h').write_text(head)
         bodies = self._functions(specs, rung)
         files = []
         for number, start in enumerate(range(0, len(bodies), _FUNCTIONS)):
@@ -165,24 +167,20 @@ class CPeer:
             + ''.join(f'f{k}();' for k in range(len(bodies))) + '}\n'
             + 'static BOOL *const places[] = {'
             + ','.join(f'&all.{name}{value}' for name in names) + '};\n'
-            + 'void put(int k, BOOL v) { *places[k] = v; }\nBOOL get(int k) { return *places[k]; }\n'
-            + 'void scans(TIME t, int n) { for (int k = 0; k < n; k++) scan(t + k * 10000000LL); }')
+            + 'void put(int k, BOOL v) { *places[k] = v; }\n'
+            + 'BOOL get(int k) { return *places[k]; }\n')
         library = folder / 'peer.so'
         self.build(files, library, flags)
         self.places = {name: place for place, name in enumerate(names)}
         loaded = ctypes.CDLL(str(library))
         loaded.scan.argtypes = [ctypes.c_int64]
-        loaded.scans.argtypes = [ctypes.c_int64, ctypes.c_int]
         loaded.put.argtypes = [ctypes.c_int, ctypes.c_uint8]
         loaded.get.argtypes, loaded.get.restype = [ctypes.c_int], ctypes.c_uint8
-        self.scan, self.scans, self._put, self._get = (
-            loaded.scan, loaded.scans, loaded.put, loaded.get)
+        self.scan, self._put, self._get = loaded.scan, loaded.put, loaded.get
 
     @staticmethod
-    def _functions(specs: Sequence[Spec], rung: object) -> list[str]:
-        import re
-        word = re.compile(r'\b(?=[a-z]\w*)((?:b_)?(?:k|x|m|q|i)\d+(?:_\d+)?|common)\b')
-        lines = [word.sub(r'all.\1', rung(spec)) for spec in specs]  # type: ignore[operator]
+    def _functions(specs: Sequence[Spec], rung: Callable[[Spec], str]) -> list[str]:
+        lines = [_VARIABLE.sub(r'all.\1', rung(spec)) for spec in specs]
         return ['\n'.join(lines[start:start + _RUNGS])
                 for start in range(0, len(lines), _RUNGS)]
 

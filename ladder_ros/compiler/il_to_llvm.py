@@ -4,7 +4,7 @@
 
 A rung becomes straight code: contacts are loads, AND, OR and XOR of bytes, whatever the power is,
 so that no branch can be mispredicted and a scan takes as long with any data.  A value that was
-read or written in a function is not read again.  Only IF, LOOP and the routines of composites
+read or written just before is not read again.  Only IF, LOOP and the routines of composites
 branch.
 
 A function holds some networks (a *chunk*); a routine calls its chunks one after the other.  Each
@@ -110,6 +110,8 @@ class ChunkEmitter:
     """What the routines do that are native, by instance."""
     builder: Builder = field(default_factory=Builder)
     known: dict[int, Val] = field(default_factory=dict)
+    """Values of slots that were read or written; ``old`` are those of earlier networks."""
+    old: tuple[int, ...] = ()
     reads: set[int] = field(default_factory=set)
     writes: set[int] = field(default_factory=set)
     timers: set[int] = field(default_factory=set)
@@ -125,7 +127,14 @@ class ChunkEmitter:
     opened: list[str] = field(default_factory=list)
 
     def add(self, network: Network) -> None:
-        """Add a network.  Raises NotNativeError if some of it has no native form."""
+        """Add a network.  Raises NotNativeError if some of it has no native form.
+
+        What was known before the last network is forgotten: to read it again costs less than to
+        keep it, as registers are few.
+        """
+        for index in self.old:
+            self.known.pop(index, None)
+        self.old = tuple(self.known)
         self.stack, self.saved, self.temporaries, self.opened = [], [], {}, []
         branches = any(instruction.op in CONTROL for instruction in network.code)
         self.boxes = {} if branches else None
