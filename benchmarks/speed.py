@@ -5,11 +5,10 @@
 usage: python benchmarks/speed.py [--only NAME ...] [--large] [--folder DIR]
 
 Scan times are compared with C that is made from the same rungs and compiled by gcc -O2: in
-MatIEC's style, and as an expert would write it.  All run in turn in this process, on the same inputs; a
-figure is the median of rounds, and a ratio the median of the rounds' ratios, with the middle half
-of them in brackets.  Without gcc those figures are missing.  Real MatIEC is measured too if iec2c
-is on the PATH and MATIEC_C is where its C headers are; else it is "not there".  --large adds
-100,000 rungs, which takes long.
+MatIEC's style, and as an expert would write it.  All run in turn in this process, on the same
+inputs; a figure is the median of rounds, and a ratio the median of the rounds' ratios, with the
+middle half of them in brackets.  Without gcc those figures are missing.  Real MatIEC, iec2c on the
+PATH, is looked for and named; it is not run yet.  --large adds 100,000 rungs, which takes long.
 """
 
 from __future__ import annotations
@@ -282,7 +281,8 @@ def call() -> Figure:
             scan(state, 0, None)
         taken.append((time.perf_counter_ns() - began) / 1000)
     return Figure(what='one native scan of 4 rungs, called from Python',
-                  value=spread(taken, ' ns'), target='1000 ns', met=statistics.median(taken) < 1000)
+                  value=spread(taken, ' ns'), target='1000 ns',
+                  met=statistics.median(taken) < 1000)
 
 
 _MEMORY = """

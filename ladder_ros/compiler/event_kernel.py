@@ -48,13 +48,13 @@ class EventTables:
                 continue
             own, written = readers.get(index, []), writers.get(index, [])
             if len(written) > 1:  # what one writes another may have to write again
-                for chunk in written:
-                    shared[chunk // 64] |= 1 << chunk % 64
+                for writer in written:
+                    shared[writer // 64] |= 1 << writer % 64
                 own, written = sorted({*own, *written}), []
             start = len(rows)
             rows.extend(own)
             between = len(rows)
-            rows.extend(chunk for chunk in written if chunk not in own)
+            rows.extend(writer for writer in written if writer not in own)
             for place in range(offset, offset + SIZE[layout.types[index]]):
                 first[place], middle[place], end[place] = start, between, len(rows)
         words, timers = array('i'), array('i')
