@@ -26,6 +26,7 @@ from ladder_ros.runtime.change_desk import ChangeDesk
 from ladder_ros.runtime.changes import Change, Loaded
 from ladder_ros.runtime.clock import Clock, MonotonicClock
 from ladder_ros.runtime.controller import Controller
+from ladder_ros.runtime.lanes import Campaign
 from ladder_ros.runtime.listeners import (
     check_interval,
     ControllerState,
@@ -61,6 +62,7 @@ __all__ = [
     'DEFAULT_SCANS',
     'EXPORTS',
     'STAGES',
+    'Campaign',
     'Change',
     'ChangeKind',
     'ControllerState',

@@ -34,6 +34,7 @@ from ladder_ros.compiler.native import (
     NativeProgram,
     on_values,
 )
+from ladder_ros.compiler.native_lanes import arrange_lanes, load_lanes, NativeLanes
 from ladder_ros.compiler.native_state import StateForm
 from ladder_ros.compiler.object_cache import ObjectCache
 from ladder_ros.compiler.st_to_il import lower_statements
@@ -46,7 +47,7 @@ from ladder_ros.compiler.wires_to_aov import build_wired_aovs
 from ladder_ros.compiler.wiring import Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError, problem
-from ladder_ros.executable import Entry, Executable, Scan, Variant
+from ladder_ros.executable import Entry, Executable, LANES, Lanes, Scan, Slot, Variant
 from ladder_ros.model.program import Body, CallKind, Pou, Program, RunKind
 
 _T = TypeVar('_T')
@@ -116,7 +117,8 @@ def compile_program(
         components=components, source_hash=source_hash, build=build,
         entries=tuple(_entry(program, body) for body in program.bodies), by_path=by_path,
         tasks=tasks, rungs=list_rungs(program),
-        routines=list_routines(code, index))
+        routines=list_routines(code, index),
+        lanes=None if form is None else lambda: _lanes(code, index, slots))
     return Compilation(
         executable=executable,
         diagnostics=missing + stages.diagnostics + check_coils(code, components),
@@ -305,6 +307,17 @@ def _native(
     cached = ObjectCache()
     return load_native(
         program, [make_object(text, cached) for text in program.modules], rest)
+
+
+def _lanes(code: InstructionList, index: Names, slots: Sequence[Slot]) -> Lanes | None:
+    """Return many copies of a program, or None if that is impossible."""
+    layout = arrange_lanes(slots)
+    program = emit_native(code, index, layout, lanes=LANES)
+    if program.why_not:
+        return None
+    cached = ObjectCache()
+    objects = [make_object(text, cached) for text in program.modules]
+    return Lanes(functions=load_lanes(program, objects), state=NativeLanes(layout, slots))
 
 
 def _emit_native(
