@@ -9,11 +9,13 @@ from dataclasses import dataclass
 import math
 import random
 
+from hypothesis import given, settings
+from hypothesis import strategies as st
 import pytest
 from support.plants import flat_plant, Plant, program_of, station_plant
-from support.random_rungs import random_case
+from support.random_rungs import Case, cases, random_case, VALUES
 
-from compiler.agreement import assert_same, Machine
+from compiler.agreement import assert_agreement, assert_same, executable, Machine
 from ladder_ros.blocks import FUNCTIONS
 from ladder_ros.compiler import native as native_backend
 from ladder_ros.compiler.il import Call, Instruction, InstructionList, Network, Op, Routine
@@ -88,15 +90,15 @@ def samples() -> Iterator[Sample]:
 
 def test_functions_when_compiled_then_give_what_python_gives() -> None:
     """All functions at all types, each a network of its own, on values at the borders."""
-    cases = list(samples())
-    assert len(cases) > 700
-    types = [DataType.LINT, *(t for c in cases for t in (*c.inputs, c.out, DataType.BOOL))]
+    calls = list(samples())
+    assert len(calls) > 700
+    types = [DataType.LINT, *(t for c in calls for t in (*c.inputs, c.out, DataType.BOOL))]
     slots = [Slot(index=index, path=f'v{index}' if index else ARITHMETIC_ERRORS, type=type_,
                   slot_class=SlotClass.LOCAL, initial=default_value(type_), identity='')
              for index, type_ in enumerate(types)]
     names = {slot.path.casefold(): slot.index for slot in slots}
     networks, place = [], 1
-    for number, case in enumerate(cases):
+    for number, case in enumerate(calls):
         refs = [Ref(path=f'v{place + k}', type=types[place + k])
                 for k in range(len(case.inputs) + 2)]
         *inputs, out, eno = refs
@@ -113,7 +115,7 @@ def test_functions_when_compiled_then_give_what_python_gives() -> None:
     program = emit_native(code, names, form.layout)
     native_parts = sum(len(part.networks) == 0 for part in program.parts['main'])
     left = {network.rung for part in program.parts['main'] for network in part.networks}
-    assert native_parts and len(left) < len(cases) // 4, program.why_not
+    assert native_parts and len(left) < len(calls) // 4, program.why_not
     objects = [make_object(text) for text in program.modules]
     skip = {f'main/{k}': lambda s, now, power: None for k in range(len(program.parts['main']))}
     scan = load_native(program, objects, skip)['main']
@@ -121,7 +123,7 @@ def test_functions_when_compiled_then_give_what_python_gives() -> None:
     for _ in range(60):
         state = form([slot.initial for slot in slots])
         wanted, place, errors = [], 1, 0
-        for number, case in enumerate(cases):
+        for number, case in enumerate(calls):
             given = [dice.choice(values(type_)) for type_ in case.inputs]
             for k, value in enumerate(given):
                 state[place + k] = value
@@ -136,6 +138,20 @@ def test_functions_when_compiled_then_give_what_python_gives() -> None:
             where = f'{case.row.name} of {case.type}: {given}'
             assert_same({'out': state[at], 'eno': state[at + 1]}, {'out': out, 'eno': fine}, where)
         assert state[0] == errors
+
+
+# -- programs ------------------------------------------------------------------------------------
+
+@given(cases(), st.data())
+@settings(max_examples=40)
+def test_native_code_when_a_program_is_random_then_agrees_with_the_drawing(
+    case: Case, data: st.DataObject,
+) -> None:
+    slots = [slot for slot in executable(case.program).slots
+             if '%' not in slot.path and slot.slot_class is not SlotClass.SYSTEM]
+    chosen = data.draw(st.lists(st.sampled_from(slots), max_size=2, unique=True))
+    forced = {slot.path: data.draw(st.sampled_from(VALUES[slot.type])) for slot in chosen}
+    assert_agreement(case, forced, ['native'])
 
 
 # -- leaving out what cannot change --------------------------------------------------------------
