@@ -35,6 +35,12 @@ ROS_WHEELS = (
     'ros-jazzy-std-srvs >= 5.3.6, < 6',
 )
 
+# Message types that the tests map fields of; nothing in the package needs them.
+TEST_WHEELS = (
+    'ros-jazzy-geometry-msgs >= 5.3.6, < 6',
+    'ros-jazzy-sensor-msgs >= 5.3.6, < 6',
+)
+
 
 def shared_files() -> list[tuple[str, list[str]]]:
     """List the files of the share folder as ``data_files``: (folder there, files here)."""
@@ -86,6 +92,7 @@ setup(
     extras_require={
         'ros': [f'{wheel} ; {ROS_WHEELS_EXIST}' for wheel in ROS_WHEELS],
         'native': ['llvmlite >= 0.44, < 1'],
+        'prove': ['z3-solver >= 4.8.12'],
         'bag': ['rosbags >= 0.10.6, < 1'],
         'test': [
             'hypothesis >= 6.80',
@@ -94,10 +101,13 @@ setup(
             'mypy >= 1.11',
             'pytest >= 7.4',
             'pytest-timeout >= 2.2',
+            'pytest-xdist >= 3.3',
             'rosbags >= 0.10.6, < 1',
             'ruff >= 0.6',
             'setuptools >= 70.1',
             'types-PyYAML >= 6.0',
+            *(f'{wheel} ; {ROS_WHEELS_EXIST}' for wheel in TEST_WHEELS),
+            'z3-solver >= 4.8.12',
         ],
     },
     entry_points={

@@ -2,14 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the node costs beside bare rclpy, measured in the same run on the same machine.
 
-    python benchmarks/ros_latency.py [--seconds 10] [--json FILE] [latency] [jitter] [topics]
+    python benchmarks/ros_latency.py [--seconds 10] [--json FILE] [PART ...]
 
 ``latency``: a Bool is published and comes back over another topic: from a bare echo node (its
 callback publishes what it got) and from plc_node, which takes it in with the next scan; so half a
 scan interval of it, on average, is waiting.  ``jitter``: how far the times from scan to scan are
 off the interval: in a bare loop that sleeps to absolute deadlines, in a session, and in the node.
-``topics``: CPU time and latency with 100 and 1,000 Bool inputs of 10 Hz each, against a bare node
-that subscribes to the same topics and does nothing but to note the value.
+``topics``: CPU time and latency with 1, 100 and 1,000 Bool inputs of 10 Hz each, against a bare
+node that subscribes to the same topics and does nothing but to note the value.  ``packed``: the
+same with all of them in one UInt8MultiArray of 10 Hz, against a bare node that takes its bits
+apart.
 
 Each node is a process of its own.  Figures are of this machine at this moment: compare them with
 the bare ones beside them only.
@@ -75,10 +77,10 @@ def spin(node: Any) -> None:
     executor.spin_until_future_complete(done, timeout_sec=1e6)
 
 
-def bare_node(inputs: int) -> None:
-    """Subscribe to in0, in1, ...; publish in0 on out."""
+def bare_node(inputs: int, packed: bool = False) -> None:
+    """Subscribe to in0, in1, ..., or all but the first on packed; publish in0 on out."""
     import rclpy
-    from std_msgs.msg import Bool
+    from std_msgs.msg import Bool, UInt8MultiArray
 
     rclpy.init(args=[])
     node = rclpy.create_node('bare')
@@ -92,22 +94,33 @@ def bare_node(inputs: int) -> None:
                 out.publish(message)
         return note
 
-    for number in range(inputs):
+    def take_apart(message: Any) -> None:
+        values[1:] = [
+            bool(byte >> bit & 1) for byte in message.data for bit in range(8)][:inputs - 1]
+
+    for number in range(1 if packed else inputs):
         node.create_subscription(Bool, f'bench/in{number}', listen(number), 1)
+    if packed:
+        node.create_subscription(UInt8MultiArray, 'bench/packed', take_apart, 1)
     print('ready', flush=True)
     spin(node)
 
 
-def publishing_node(inputs: int) -> None:
-    """Publish on in1, in2, ... at the rate, spread over the time."""
+def publishing_node(inputs: int, packed: bool) -> None:
+    """Publish on in1, in2, ..., or on packed, at the rate, spread over the time."""
     import rclpy
     from rclpy.serialization import serialize_message
-    from std_msgs.msg import Bool
+    from std_msgs.msg import Bool, UInt8MultiArray
 
     rclpy.init(args=[])
     node = rclpy.create_node('load')
-    publishers = [node.create_publisher(Bool, f'bench/in{n}', 1) for n in range(1, inputs)]
-    ready = [serialize_message(Bool(data=value)) for value in (False, True)]
+    if packed:
+        publishers = [node.create_publisher(UInt8MultiArray, 'bench/packed', 1)]
+        ready = [serialize_message(UInt8MultiArray(data=[byte] * -(-(inputs - 1) // 8)))
+                 for byte in (0x55, 0xAA)]
+    else:
+        publishers = [node.create_publisher(Bool, f'bench/in{n}', 1) for n in range(1, inputs)]
+        ready = [serialize_message(Bool(data=value)) for value in (False, True)]
     print('ready', flush=True)
     ended = threading.Event()
     threading.Thread(target=lambda: (sys.stdin.read(), ended.set()), daemon=True).start()
@@ -190,15 +203,18 @@ def child(*arguments: object, ready: bool = True) -> Iterator[subprocess.Popen[s
             process.wait()
 
 
-def plc_node(inputs: int, interval_ms: float, folder: Path) -> Any:
+def plc_node(inputs: int, interval_ms: float, folder: Path, packed: bool = False) -> Any:
     """Run plc_node with the topics of the bare node."""
     file = folder / f'bench_{inputs}_{interval_ms:g}.xml'
     file.write_text(program(inputs, interval_ms), encoding='utf-8')
     cell = folder / 'cell.yaml'
-    io = {f'in{n}': {'topic': f'bench/in{n}'} for n in range(inputs)}
-    cell.write_text(json.dumps({'/**': {'ros__parameters': {
-        'program': str(file), 'retain_file': '', 'io': {**io, 'out': {'topic': 'bench/out'}},
-    }}}), encoding='utf-8')
+    parameters: dict[str, Any] = {'program': str(file), 'retain_file': '', 'io': {
+        'out': {'topic': 'bench/out'},
+        **{f'in{n}': {'topic': f'bench/in{n}'} for n in range(1 if packed else inputs)}}}
+    if packed:
+        names = [f'in{n}' for n in range(1, inputs)]
+        parameters['io_packed'] = {'all': {'topic': 'bench/packed', 'variables': names}}
+    cell.write_text(json.dumps({'/**': {'ros__parameters': parameters}}), encoding='utf-8')
     return child('-m', 'ladder_ros.ros.node', '--ros-args', '--log-level', 'warn',
                  '--params-file', cell, ready=False)
 
@@ -312,26 +328,38 @@ def cpu_seconds(pid: int) -> float:
 
 
 def measure_topics(seconds: float, folder: Path) -> Iterator[Row]:
-    for inputs in (100, 1000):
-        for name in ('bare node', 'plc_node'):
-            node = child('bare', inputs) if name == 'bare node' else plc_node(inputs, 10, folder)
-            with node as process, child('load', inputs):
-                probe = Probe()
-                try:
-                    probe.trips(2 + inputs / 200)  # everything has found everything
-                    before, begin = cpu_seconds(process.pid), time.monotonic()
-                    trips = probe.trips(seconds)
-                    used = cpu_seconds(process.pid) - before
-                    elapsed = time.monotonic() - begin
-                finally:
-                    probe.close()
-            yield {'inputs': inputs, 'node': name, 'messages_s': round((inputs - 1) * RATE),
-                   'cpu_percent': round(100 * used / elapsed, 1),
-                   'p50_ms': round(percentile(trips, 0.5), 3),
-                   'p99_ms': round(percentile(trips, 0.99), 3)}
+    for inputs in (1, 100, 1000):
+        yield from measure_cost(seconds, folder, inputs, packed=False)
 
 
-PARTS = {'latency': measure_latency, 'jitter': measure_jitter, 'topics': measure_topics}
+def measure_packed(seconds: float, folder: Path) -> Iterator[Row]:
+    for inputs in (101, 1001):
+        yield from measure_cost(seconds, folder, inputs, packed=True)
+
+
+def measure_cost(seconds: float, folder: Path, inputs: int, *, packed: bool) -> Iterator[Row]:
+    for name in ('bare node', 'plc_node'):
+        node = child('bare', inputs, int(packed)) if name == 'bare node' \
+            else plc_node(inputs, 10, folder, packed)
+        with node as process, child('load', inputs, int(packed)):
+            probe = Probe()
+            try:
+                probe.trips(2 + inputs / 200)  # everything has found everything
+                before, begin = cpu_seconds(process.pid), time.monotonic()
+                trips = probe.trips(seconds)
+                used = cpu_seconds(process.pid) - before
+                elapsed = time.monotonic() - begin
+            finally:
+                probe.close()
+        yield {'inputs': inputs, 'node': name,
+               'messages_s': round((1 if packed else inputs - 1) * RATE),
+               'cpu_percent': round(100 * used / elapsed, 1),
+               'p50_ms': round(percentile(trips, 0.5), 3),
+               'p99_ms': round(percentile(trips, 0.99), 3)}
+
+
+PARTS = {'latency': measure_latency, 'jitter': measure_jitter, 'topics': measure_topics,
+         'packed': measure_packed}
 
 
 def show(title: str, rows: Iterator[Row]) -> list[Row]:
@@ -370,9 +398,9 @@ if __name__ == '__main__':
     if sys.argv[1:2] == ['--child']:
         kind, *rest = sys.argv[2:]
         if kind == 'bare':
-            bare_node(int(rest[0]))
+            bare_node(int(rest[0]), rest[1:] == ['1'])
         elif kind == 'load':
-            publishing_node(int(rest[0]))
+            publishing_node(int(rest[0]), rest[1:] == ['1'])
         else:
             loop(rest[0], int(rest[1]), float(rest[2]))
     else:

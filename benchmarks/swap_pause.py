@@ -3,6 +3,7 @@
 """Swap pause: the longest gap between two scans around an online change, beside the usual gap.
 
     python benchmarks/swap_pause.py [--quick] [--swaps N] [--json FILE]
+    python benchmarks/swap_pause.py --deadlines [--rounds N]
     python benchmarks/swap_pause.py --soak 10000
 
 For each size of program and each interval a session runs on the machine's clock, first without
@@ -11,6 +12,11 @@ what is changed to.  A *gap* is the time from the beginning of a scan to that of
 *missed* deadline is a whole interval without a scan, *pause* is how long no scan could start, and
 *its gap* is the gap that the swap itself fell into.  ``equal`` swaps to a program of the same
 layout, ``other`` to one with one variable and one rung more.
+
+``--deadlines`` compares missed deadlines of a program of 1,000 rungs every millisecond: idle,
+beside another process that computes at a low priority, while programs are compiled for it and put
+in place without a break, and while compiled ones are; in turns, to meet the same machine.  It also
+tells what was missed though the scan thread did not wait for a processor (Linux counts that).
 
 ``--soak`` swaps ever so often under a load of written inputs, and tells scans, gaps, memory and
 whether an output that both programs hold at TRUE was ever told to be something else.
@@ -27,7 +33,9 @@ import itertools
 import json
 from pathlib import Path
 import platform
-from statistics import mean
+from statistics import mean, median
+import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -67,9 +75,14 @@ def program(rungs: int, *, extra: bool = False, turned: bool = False) -> str:
 
 
 class Gaps:
-    """Listens to scans: gaps between them, and whether a held output ever was not."""
+    """Listens to scans: gaps between them, and whether a held output ever was not.
 
-    def __init__(self) -> None:
+    With ``causes`` also how many deadlines (of every millisecond) were missed though the scan
+    thread, by the kernel's account, did not wait for a processor (Linux).
+    """
+
+    def __init__(self, *, causes: bool = False) -> None:
+        self._causes = causes
         self.clear()
         self.is_held = False
 
@@ -79,9 +92,20 @@ class Gaps:
         self.count = 0
         self.last = 0
         self.glitches = 0
+        self.own = 0
+        self._waited: int | None = None
+
+    def _judge(self, gap: int) -> None:
+        """Count what was missed in a gap without waiting for a processor."""
+        text = Path('/proc/thread-self/schedstat').read_text(encoding='ascii')
+        before, self._waited = self._waited, int(text.split()[1])
+        if before is not None:
+            self.own += max(round((gap - (self._waited - before)) / MS) - 1, 0)
 
     def __call__(self, result: ScanResult) -> None:
         now = time.monotonic_ns() - result.execution_ns
+        if self.last and self._causes:
+            self._judge(now - self.last)
         if self.last:
             self.gaps[self.count % ROOM] = now - self.last
             self.count += 1
@@ -182,6 +206,75 @@ def measure(folder: Path, rungs: int, interval: int, swaps: int) -> Iterator[Row
         yield from results.values()
 
 
+NEIGHBOUR = """
+from ladder_ros.runtime.scheduling import stay_behind
+stay_behind()
+while True:
+    [{n: str(n)} for n in range(20_000)]
+"""
+
+
+def deadlines(folder: Path, rounds: int, seconds: float = 2.0) -> dict[str, list[float]]:
+    """Return missed deadlines a thousand scans, a number a round, by what happens beside."""
+    paths = [folder / 'a.xml', folder / 'b.xml']
+    numbers = itertools.count()
+    gaps = Gaps(causes=True)
+    found: dict[str, list[float]] = {}
+    own: dict[str, list[float]] = {}
+
+    def write(path: Path, extra: bool) -> Path:
+        path.write_text(program(1000, extra=extra) + f'<!-- {next(numbers)} -->')
+        return path
+
+    with Session(interval_ns=MS) as session:
+        session.open(write(paths[0], False))
+        session.add_listener(gaps)
+        session.start()
+        session.write('go', True)
+        made = [session.prepare(write(path, extra)) for path, extra in zip(
+            paths, (True, False), strict=True)]
+        turns = itertools.cycle(made)
+
+        def compile_and_swap() -> None:
+            extra = next(numbers) % 2 == 0
+            session.load(write(paths[extra], extra))
+
+        def wait() -> None:
+            time.sleep(0.01)
+
+        def swap() -> None:
+            session.commit(next(turns))
+            wait()
+
+        ways = {'idle': wait, 'neighbour': wait, 'compiled and swapped': compile_and_swap,
+                'swapped': swap}
+        for number in range(rounds):
+            for name in list(ways)[number % 4:] + list(ways)[:number % 4]:
+                beside = subprocess.Popen(
+                        [sys.executable, '-c', NEIGHBOUR], start_new_session=True) \
+                    if name == 'neighbour' else None
+                time.sleep(0.3)
+                gaps.clear()
+                end = time.monotonic() + seconds
+                count = 0
+                while time.monotonic() < end:
+                    ways[name]()
+                    count += 1
+                row = measured(session, gaps, 1000, 1, name, [])
+                found.setdefault(name, []).append(1000 * row.missed / row.scans)
+                own.setdefault(name, []).append(1000 * gaps.own / row.scans)
+                if beside is not None:
+                    beside.kill()
+                    beside.wait()
+                print(f'{name:>22}{row.scans:>7} scans{row.missed:>6} missed, {gaps.own:>4} not '
+                      f'for want of a processor{row.longest_gap_ms:>8.1f} ms longest'
+                      f'{count:>6} times', flush=True)
+    for what, numbers in (('missed', found), ('not for want of a processor', own)):
+        print(f'{what}, a thousand scans: ' + ', '.join(
+            f'{name} {median(values):.1f}' for name, values in numbers.items()))
+    return found
+
+
 def resident() -> int:
     """Return the memory of this process in KiB (Linux)."""
     for line in Path('/proc/self/status').read_text(encoding='utf-8').splitlines():
@@ -211,7 +304,7 @@ def soak(folder: Path, swaps: int, rungs: int, interval: int) -> dict[str, objec
             slot = session.executable.slot('go')
             assert slot is not None
             while not writing.wait(0.0005):
-                session.write_slot(slot.index, True, of=session.executable)
+                session.write_slots(((slot.index, True, False),), of=session.executable)
 
         threading.Thread(target=load, daemon=True).start()
         gaps.clear()
@@ -239,13 +332,17 @@ def main() -> None:
     parser.add_argument('--quick', action='store_true', help='few swaps, the smaller sizes')
     parser.add_argument('--swaps', type=int, default=50)
     parser.add_argument('--rungs', type=int, nargs='*')
+    parser.add_argument('--deadlines', action='store_true')
+    parser.add_argument('--rounds', type=int, default=5)
     parser.add_argument('--soak', type=int, metavar='SWAPS')
     parser.add_argument('--json', type=Path, metavar='FILE')
     options = parser.parse_args()
     rows: list[object] = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        if options.soak:
+        if options.deadlines:
+            rows.append(deadlines(folder, options.rounds))
+        elif options.soak:
             result = soak(folder, options.soak, 100, 1)
             print(json.dumps(result, indent=2))
             rows.append(result)

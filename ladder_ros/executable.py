@@ -12,16 +12,65 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, MutableSequence, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Protocol
+from typing import Generic, overload, Protocol, TypeVar
 
 from ladder_ros.diagnostics import Location
-from ladder_ros.model.types import DataType, Value
+from ladder_ros.model.types import DataType, normal_address, Value
+
+_T = TypeVar('_T')
 
 State = MutableSequence[Value]
 """One value a slot, in slot order: a list, or typed memory that native code shares."""
 
 ARITHMETIC_ERRORS = '%arithmetic_errors'
 """Path of the slot (LINT, always slot 0) that counts arithmetic errors (division by zero)."""
+
+
+class Parts(Sequence[_T], Generic[_T]):
+    """Items that came packed, so many a part, and are unpacked when they are looked at."""
+
+    def __init__(
+        self, packed: Sequence[bytes], part: int, size: int,
+        unpack: Callable[[bytes], Sequence[_T]],
+    ) -> None:
+        """``size`` items in all, ``part`` of them in each part but the last."""
+        self._packed = packed
+        self._part = part
+        self._size = size
+        self._unpack = unpack
+        self._found: dict[int, Sequence[_T]] = {}
+
+    def __len__(self) -> int:
+        return self._size
+
+    @overload
+    def __getitem__(self, index: int) -> _T: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[_T, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> _T | tuple[_T, ...]:
+        if isinstance(index, slice):
+            return tuple(self[number] for number in range(*index.indices(self._size)))
+        if index < 0:
+            index += self._size
+        if not 0 <= index < self._size:
+            raise IndexError(index)
+        number, place = divmod(index, self._part)
+        found = self._found.get(number)
+        if found is None:
+            found = self._found[number] = self._unpack(self._packed[number])
+        return found[place]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and tuple(self) == tuple(other)
+
+    def __hash__(self) -> int:
+        return hash(tuple(self))
+
+    def unpacked(self) -> list[Sequence[_T]]:
+        """Return the parts that have been looked at."""
+        return list(self._found.values())
 
 
 class SlotClass(Enum):
@@ -193,14 +242,42 @@ class RoutineEntry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Outline:
+    """What scans need to know of the slots: initial values, and the indices of some of them."""
+
+    initial: tuple[Value, ...] = ()
+    inputs: tuple[int, ...] = ()
+    outputs: tuple[int, ...] = ()
+    retained: tuple[int, ...] = ()
+    located: tuple[int, ...] = ()
+
+
+_NO_OUTLINE = Outline()
+
+
+def outline_of(slots: Sequence[Slot]) -> Outline:
+    """Return the outline of all slots of a program."""
+    return Outline(
+        initial=tuple(slot.initial for slot in slots),
+        inputs=tuple(slot.index for slot in slots if slot.slot_class is SlotClass.INPUT),
+        outputs=tuple(slot.index for slot in slots if slot.slot_class is SlotClass.OUTPUT),
+        retained=tuple(slot.index for slot in slots if slot.retain),
+        located=tuple(slot.index for slot in slots if slot.address))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Executable:
-    """A compiled program.  ``build`` makes the scan functions of a variant, by entry name."""
+    """A compiled program.  ``build`` makes the scan functions of a variant, by entry name.
+
+    Slots, components and rungs may be read only when they are looked at: an online change looks at
+    the ``outline`` (made from the slots where it is not given) and at nothing else.
+    """
 
     name: str
     backend: str
     source_hash: str
-    slots: tuple[Slot, ...]
-    components: tuple[ComponentEntry, ...]
+    slots: Sequence[Slot]
+    components: Sequence[ComponentEntry]
     entries: tuple[Entry, ...]
     build: Callable[[Variant], Mapping[str, Scan]]
     by_path: Mapping[str, Slot] = field(default_factory=dict)
@@ -213,7 +290,13 @@ class Executable:
     """Makes many copies of the program that run at once; None if that is impossible."""
     routines: tuple[RoutineEntry, ...] = ()
     tasks: tuple[TaskEntry, ...] = ()
-    rungs: tuple[RungEntry, ...] = ()
+    rungs: Sequence[RungEntry] = ()
+    outline: Outline = _NO_OUTLINE
+
+    def __post_init__(self) -> None:
+        """Make the outline if it is not given."""
+        if self.outline is _NO_OUTLINE:
+            object.__setattr__(self, 'outline', outline_of(self.slots))
 
     @property
     def instructions(self) -> int:
@@ -227,9 +310,16 @@ class Executable:
             routine.instructions for routine in self.routines
             if (routine.name not in once if routine.active is None else state[routine.active]))
 
+    def pieces(self) -> list[Sequence[object]]:
+        """Return all that there are many of, for who frees a program little by little."""
+        found: list[Sequence[object]] = [tuple(self.by_path)]
+        for items in (self.slots, self.components, self.rungs):
+            found += items.unpacked() if isinstance(items, Parts) else [items]
+        return found
+
     def initial_state(self) -> State:
         """Return a fresh state."""
-        return self.make_state([slot.initial for slot in self.slots])
+        return self.make_state(self.outline.initial)
 
     def slot(self, path: str) -> Slot | None:
         """Return the slot of a variable by dotted path or located address, or None.
@@ -238,11 +328,13 @@ class Executable:
         """
         slot = self.by_path.get(path.casefold())
         if slot is None and path.startswith('%'):
-            return next((s for s in self.slots if s.address.upper() == path.upper()), None)
+            address = normal_address(path)
+            located = (self.slots[index] for index in self.outline.located)
+            return next((s for s in located if normal_address(s.address) == address), None)
         return slot
 
     def io(self) -> tuple[Slot, ...]:
         """Return the slots of input and output variables, in declaration order."""
+        outline = self.outline
         return tuple(
-            slot for slot in self.slots
-            if slot.slot_class in (SlotClass.INPUT, SlotClass.OUTPUT))
+            self.slots[index] for index in sorted((*outline.inputs, *outline.outputs)))

@@ -3,7 +3,8 @@
 """The table of coded problems: one row a code, one page a code in docs/problems.
 
 Codes never change their meaning and are never used again.  L01 files, L02 names and types,
-L03 drawing, L04 compiling, L05 running, L06 ROS.
+L03 drawing, L04 compiling, L05 running, L06 ROS
+and, from L0620, editing.
 """
 
 from __future__ import annotations
@@ -67,7 +68,8 @@ _FILES = (
     _error('L0120', 'this is no Structured Text: {what} (column {column})', '{expected}'),
     _error('L0121', 'the Structured Text is too large: {what}',
            'at most {limit}; split it, or put parts of it into variables or POUs of their own'),
-    _error('L0122', 'code in C cannot run here', 'write the pragma {{...}} in Structured Text'),
+    _error('L0122', 'code in C cannot run here',
+           'write in Structured Text what the pragma {{...}} does'),
     _warning('L0130', 'the file departs from PLCopen TC6: {what}', 'it is read as {read}'),
     _warning('L0131', 'a wire comes from nothing: {source}: {reason}',
              'the wire is left out; draw it again in the editor'),
@@ -100,6 +102,8 @@ _FILES = (
              'it is read as {read}'),
     _error('L0152', '{what} has no meaning: {reason}',
            'open the project in OpenPLC Editor, mend this there and save it again'),
+    _error('L0153', '{name} is one POU of an OpenPLC Editor v4 project, which is not here',
+           'give the folder that holds project.json, or a file in the folder pous beside it'),
 )
 
 _NAMES = (
@@ -133,6 +137,9 @@ _NAMES = (
     _warning('L0243', '{name} is not declared', 'it is taken as a local variable of type {type}'),
     _warning('L0244', 'nothing is wired to the pin {pin} of {owner}',
              'it is taken as the zero of its type, {type}; wire a value to it'),
+    _warning('L0245', 'the body of {name} cannot run: {reason}; there is a stand-in for it',
+             'the outputs of its instances are inputs of the program: map them to topics; '
+             'pins: {pins}'),
     _error('L0240', 'the body of {name} cannot run: {reason}',
            'draw it as a ladder or function block diagram, or write it in Structured Text'),
     _warning('L0241', 'the body of {name} cannot run: {reason}; nothing uses it',
@@ -141,6 +148,11 @@ _NAMES = (
              'it keeps one state for all its calls; give each call an instance of its own'),
     _error('L0224', 'the index {index} is outside of {name}', 'it goes from {low} to {high}'),
     _error('L0225', '{name} may not stand {where}', '{reason}'),
+    _error('L0226', 'no network has the label {name}',
+           'draw the label at the network to go on with, or correct the name{hint}'),
+    _error('L0227', 'the pin {pin} of {owner} is a function block of the type {type}',
+           'no copies are made of function blocks; give {owner} the values that it reads, or make '
+           'the function block a global variable'),
 )
 
 _DRAWING = (
@@ -195,13 +207,15 @@ _RUNNING = (
     _error('L0525', 'the task {name} took {took}, its watchdog allows {limit}',
            'make what it runs shorter, or raise its watchdog or sensitivity'),
     _error('L0526', 'the recording cannot be used: {reason}', '{expected}'),
+    _error('L0527', 'a scan does not end: {name} has run for {took}',
+           'look for loops that go on too long, and give the task a watchdog'),
     _warning('L0530', 'there is no native code: {reason}',
              'Python runs the program; install ladder_ros[native], or choose the backend python'),
 )
 
 _ROS = (
     _error('L0601', 'the I/O map names {name}, which is no variable of the program',
-           'correct or remove the entry io.{name}{hint}'),
+           'correct or remove the entry {parameter}{hint}'),
     _error('L0602', 'message type {type} does not fit {name}', '{expected}'),
     _error('L0603', '{topic} is no legal topic name', '{reason}'),
     _error('L0604', 'parameter {name} has a bad value', '{expected}'),
@@ -215,11 +229,50 @@ _ROS = (
              'the entry rests until a program with this variable is loaded'),
     _error('L0610', 'the program was not loaded in time: {reason}', '{expected}'),
     _error('L0611', 'the recording of topics cannot be used: {reason}', '{expected}'),
+    _error('L0612', 'there is no message type {type}', '{expected}'),
+    _error('L0613', 'the field {field} of {type} cannot be used: {reason}', '{hint}'),
+    _error('L0614', 'the field {field} of {topic} belongs to more than one variable',
+           'give {name} another field with io.{name}.field, or another topic'),
+)
+
+_EDITING = (
+    _error('L0620', 'no drawing of rung {rung} was found that has its order of evaluation',
+           'break the loop of data connections in it, or split the rung'),
+    _error('L0621', 'there is no {what} {name}', 'known here: {known}{hint}'),
+    _error('L0622', 'rung {rung} would become {width} columns wide',
+           'the limit is {limit}: make a composite of a part of it, or split it with a variable'),
+    _error('L0623', '{name} may not stand there: {reason}', '{remedy}'),
+    _error('L0624', '{name} cannot be deleted: {reason}', 'every rung and branch has an output'),
+    _error('L0625', 'the edit cannot be done: {reason}', '{expected}'),
+    _error('L0626', '{name} cannot be edited: it is no ladder diagram on our grid',
+           'draw it as a program of ladder_ros; Structured Text is edited as text'),
+)
+
+_REFACTORING = (
+    _error('L0630', 'there is no {what}', 'there is {known}'),
+    _error('L0631', '{what} cannot become a composite: {reason}',
+           'choose more or less of the drawing, or change it so that this is not so'),
+    _error('L0632', '{name} cannot be used as a name: {reason}', 'choose another name'),
+    _error('L0633', 'the library {name} cannot be used: {reason}', '{expected}'),
+    _error('L0634', '{name} cannot be drawn out: {reason}',
+           'leave it as it is, or draw its contents here by hand'),
+    _error('L0635', 'rung {rung} cannot be {what}: {reason}', 'change the drawing first'),
+)
+
+_PROVING = (
+    _error('L0670', 'there is no solver: the Python package z3-solver is not installed',
+            'install it: pip install z3-solver, or on Ubuntu apt install python3-z3'),
+    _error('L0671', 'nothing to prove, or too much at once',
+           'give a second program, or else properties with --never and --always'),
+    _error('L0673', 'two programs are compared, {count} were given', 'write: ladder diff OLD NEW'),
+    _error('L0672', 'the change is not made: {reason}',
+           'prove and try the program before, or set change.require to report or nothing'),
 )
 
 PROBLEMS: Mapping[str, Problem] = {
     row.code: row
-    for table in (_FILES, _NAMES, _DRAWING, _COMPILING, _RUNNING, _ROS)
+    for table in (
+        _FILES, _NAMES, _DRAWING, _COMPILING, _RUNNING, _ROS, _EDITING, _REFACTORING, _PROVING)
     for row in table
 }
 """Every problem by its code."""

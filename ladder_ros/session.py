@@ -12,16 +12,18 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import datetime, timezone
 import os
 
-from ladder_ros.compiler.background import COMPILER
-from ladder_ros.compiler.dump import dump_stage, STAGES, with_drawings
+from ladder_ros.background.process import COMPILER
+from ladder_ros.compiler.dump import dump_stage, require_pou, STAGES, with_drawings
 from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
 from ladder_ros.compiler.program_to_plcopen import write_plcopen
 from ladder_ros.compiler.program_to_st import write_st
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location
 from ladder_ros.drawing.rung_text import draw_program, Style
 from ladder_ros.executable import Executable
-from ladder_ros.model.program import Pou, Program
+from ladder_ros.model.program import Program
 from ladder_ros.model.types import Value
+from ladder_ros.proving_process import ProverProcess
+from ladder_ros.runtime.assurance import Assurance, Requirement
 from ladder_ros.runtime.change_desk import ChangeDesk
 from ladder_ros.runtime.changes import Change, Loaded
 from ladder_ros.runtime.clock import Clock, MonotonicClock
@@ -39,6 +41,7 @@ from ladder_ros.runtime.listeners import (
 from ladder_ros.runtime.names import find_slot, named_slots, value_for
 from ladder_ros.runtime.online_change import SwapReport
 from ladder_ros.runtime.preflight import Preflight, Verdict
+from ladder_ros.runtime.process_image import Write
 from ladder_ros.runtime.quiet import giving_way, QUIET
 from ladder_ros.runtime.recorder import RecordSummary, TraceRecorder
 from ladder_ros.runtime.replay import read_trace, replay_trace, ReplayResult
@@ -72,6 +75,7 @@ __all__ = [
     'Preflight',
     'RecordSummary',
     'ReplayResult',
+    'Requirement',
     'ScanResult',
     'Session',
     'ShadowStatus',
@@ -80,6 +84,7 @@ __all__ = [
     'Statistics',
     'SwapReport',
     'Verdict',
+    'Write',
     'check',
     'check_interval',
     'compile_file',
@@ -102,13 +107,13 @@ EXPORTS = ('xml', 'plcopen', 'st', 'il')
 
 # -- looking at a file --------------------------------------------------------------------------
 
-def _read(path: str | os.PathLike[str]) -> tuple[Program, str]:
-    """Return a program and the SHA-256 of the very bytes that it was read from."""
+def _read(path: str | os.PathLike[str]) -> tuple[Program, str, bytes]:
+    """Return a program, the SHA-256 of the very bytes it was read from, and a file's bytes."""
     folder = openplc_folder(os.fspath(path))
     if folder is not None:
-        return read_any(path), folder_hash(folder)
+        return read_any(path), folder_hash(folder), b''
     data = read_file(path)
-    return parse_any(data, os.fspath(path)), file_hash(data, os.fspath(path))
+    return parse_any(data, os.fspath(path)), file_hash(data, os.fspath(path)), data
 
 
 def check(path: str | os.PathLike[str]) -> tuple[Diagnostic, ...]:
@@ -117,7 +122,7 @@ def check(path: str | os.PathLike[str]) -> tuple[Diagnostic, ...]:
     A file that cannot be read is a diagnostic too, not an exception.
     """
     try:
-        program, _ = _read(path)
+        program, _, _ = _read(path)
     except LadderError as error:
         return error.diagnostics
     return check_program(program)
@@ -128,8 +133,7 @@ def dump(path: str | os.PathLike[str], stage: str, pou: str | None = None) -> st
 
     Raises LadderError.
     """
-    program, _ = _read(path)
-    _require_pou(program, pou)
+    program, _, _ = _read(path)
     return dump_stage(program, stage, pou)
 
 
@@ -141,8 +145,8 @@ def show(
 
     Raises LadderError.
     """
-    program, _ = _read(path)
-    _require_pou(program, pou)
+    program, _, _ = _read(path)
+    require_pou(program, pou)
     return draw_program(with_drawings(program), pou, Style(ascii_only=ascii_only, grid=grid))
 
 
@@ -151,7 +155,7 @@ def export(path: str | os.PathLike[str], to: str) -> str:
     if to not in EXPORTS:
         raise LadderError.of(
             'L0510', Location(file=os.fspath(path)), form=to, known=', '.join(EXPORTS))
-    program, _ = _read(path)
+    program, _, _ = _read(path)
     if to == 'plcopen':
         return write_plcopen(program)
     if to == 'st':
@@ -164,19 +168,12 @@ def export(path: str | os.PathLike[str], to: str) -> str:
     return write_program(program)
 
 
-def _require_pou(program: Program, pou: str | None) -> None:
-    pous: tuple[Pou, ...] = (*program.bodies, *program.composites)
-    names = [part.name for part in pous]
-    if pou is not None and pou.casefold() not in (name.casefold() for name in names):
-        raise LadderError.of('L0509', program.location, name=pou, known=', '.join(names))
-
-
 def compile_file(path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -> Loaded:
     """Compile a program file.  Raises LadderError with every error that was found."""
-    program, source_hash = _read(path)
+    program, source_hash, source = _read(path)
     compilation = compile_program(program, backend=backend, source_hash=source_hash)
     return Loaded(
-        path=os.fspath(path), name=program.name, source_hash=source_hash,
+        path=os.fspath(path), name=program.name, source_hash=source_hash, source=source,
         executable=compilation.executable, diagnostics=compilation.diagnostics)
 
 
@@ -228,9 +225,9 @@ class Session:
         False compiles in this process, always.  Raises LadderError L0505 if the interval cannot be
         used.
         """
-        self._controller = Controller(clock)
+        self._controller = Controller(clock, COMPILER if background else None)
         self._controller.set_interval(interval_ns)
-        self._desk = ChangeDesk(self._controller, _stamp)
+        self._desk = ChangeDesk(self._controller, _stamp, Assurance(ProverProcess()))
         self._controller.add_state_listener(self._on_state)
         self._is_real = isinstance(self._controller.clock, MonotonicClock)
         self._background = background
@@ -242,6 +239,11 @@ class Session:
                 self._controller, os.fspath(retain_path), retain_period_s, _stamp)
 
     # The program
+
+    @property
+    def assurance(self) -> Assurance:
+        """What must be proved of a program before a change to it; see ``requirement`` there."""
+        return self._desk.assurance
 
     @property
     def loaded(self) -> Loaded | None:
@@ -302,23 +304,22 @@ class Session:
         if backend is None:
             backend = before.backend if before else DEFAULT_BACKEND
         # What is compiled here leaves much behind, which is freed in one go when it is replaced.
-        if not self._background or not (
-                self._is_real or self.state is ControllerState.RUNNING):
-            return compile_file(path, backend)
-        if openplc_folder(os.fspath(path)) is not None:
+        runs = self._is_real or self.state is ControllerState.RUNNING
+        if not (self._background and runs) or openplc_folder(os.fspath(path)) is not None:
             return compile_file(path, backend)
         data = read_file(path)
         source_hash = file_hash(data, os.fspath(path))
         if before is not None and (before.source_hash, before.backend) == (source_hash, backend):
             return Loaded(path=os.fspath(path), name=before.name, source_hash=source_hash,
-                          executable=before.executable, diagnostics=before.diagnostics)
+                          executable=before.executable, diagnostics=before.diagnostics,
+                          source=data)
         with giving_way(self.interval_ns):
             compilation = COMPILER.compile(
                 data, os.fspath(path), backend=backend, timeout=timeout_s,
                 breathe=self._controller.breathe)
         return Loaded(
             path=os.fspath(path), name=compilation.executable.name, source_hash=source_hash,
-            executable=compilation.executable, diagnostics=compilation.diagnostics)
+            executable=compilation.executable, diagnostics=compilation.diagnostics, source=data)
 
     def load(self, path: str | os.PathLike[str], backend: str | None = None) -> Change:
         """Compile a program and put it in the place of the present one; see :meth:`commit`."""
@@ -480,6 +481,7 @@ class Session:
     def close(self) -> None:
         """Stop; end recordings; save retained values."""
         self.end_record()
+        self.assurance.close()
         self._controller.stop()
         if self._retention is not None:
             self._retention.close()
@@ -519,16 +521,14 @@ class Session:
         self._controller.write(
             slot.index, value_for(slot, value), catch_pulse=catch_pulse, of=executable)
 
-    def write_slot(
-        self, index: int, value: Value, *, catch_pulse: bool = False,
-        of: Executable | None = None,
-    ) -> None:
-        """Give the variable in a slot a value before the next scan; the fast way.
+    def write_slots(self, values: Iterable[Write], *, of: Executable | None = None) -> None:
+        """Give variables values before the next scan, all in the same; the fast way.
 
-        ``of`` is the executable that the slot belongs to, the present one by default; after a
-        change the variable of that name is written.  Raises TypeError for a value of another type.
+        Each: index of the slot, value, catch_pulse.  ``of`` is the executable of the slots, the
+        present one by default; after a change the variables of their names are written.  Raises
+        TypeError for a value of another type.
         """
-        self._controller.write(index, value, catch_pulse=catch_pulse, of=of)
+        self._controller.write_all(values, of=of)
 
     def read(self, name: str) -> Value:
         """Return a variable's value after the last scan."""

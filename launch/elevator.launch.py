@@ -1,9 +1,11 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Start the 3-floor elevator: plc_node and the plant with its passengers.
+"""Start the 8-floor elevator, or the one of 3: plc_node and the plant with its passengers.
 
 $ ros2 launch ladder_ros elevator.launch.py
 $ ros2 run ladder_ros elevator_view            # in another terminal: the live picture
+$ ros2 launch ladder_ros elevator.launch.py floors:=3
+$ ros2 run ladder_ros elevator_view --floors 3
 """
 
 from launch.actions import DeclareLaunchArgument
@@ -16,15 +18,17 @@ from launch import LaunchDescription
 
 def generate_launch_description() -> LaunchDescription:
     """Declare the arguments and start both nodes."""
-    namespace = LaunchConfiguration('namespace')
+    namespace, floors = LaunchConfiguration('namespace'), LaunchConfiguration('floors')
     return LaunchDescription([
         DeclareLaunchArgument('namespace', default_value='', description='Namespace of all nodes'),
         DeclareLaunchArgument(
+            'floors', default_value='8', choices=['3', '8'], description='Which elevator it is'),
+        DeclareLaunchArgument(
             'params_file',
-            default_value=PathJoinSubstitution(
-                [FindPackageShare('ladder_ros'), 'config', 'elevator_3_floor.yaml']),
+            default_value=[PathJoinSubstitution(
+                [FindPackageShare('ladder_ros'), 'config', 'elevator_']), floors, '_floor.yaml'],
             description='YAML file with the parameters of plc_node'),
-        DeclareLaunchArgument('seed', default_value='3', description='Of the random passengers'),
+        DeclareLaunchArgument('seed', default_value='15', description='Of the random passengers'),
         Node(
             package='ladder_ros', executable='plc_node', name='plc_node', namespace=namespace,
             output='screen', emulate_tty=True, sigterm_timeout='10',
@@ -32,5 +36,5 @@ def generate_launch_description() -> LaunchDescription:
         Node(
             package='ladder_ros', executable='elevator_plant', name='elevator_plant',
             namespace=namespace, output='screen',
-            arguments=['--seed', LaunchConfiguration('seed')]),
+            arguments=['--seed', LaunchConfiguration('seed'), '--floors', floors]),
     ])

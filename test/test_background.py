@@ -12,10 +12,11 @@ import weakref
 
 import pytest
 
-from ladder_ros.compiler.background import CompilerProcess
+from ladder_ros.background.process import CompilerProcess
 from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.diagnostics import LadderError
-from ladder_ros.executable import Executable, Variant
+from ladder_ros.executable import Executable, Parts, Variant
+from ladder_ros.runtime.planner import LocalPlanner
 from ladder_ros.runtime.scan_cycle import ScanCycle
 from ladder_ros.session import Session
 from ladder_ros.source.xml_to_model import parse_program
@@ -64,6 +65,68 @@ def test_compile_when_done_elsewhere_then_the_program_is_the_same(
     forced = frozenset({slot.index for slot in far.executable.io()[:2]})
     for variant in (Variant(), Variant(observed=True), Variant(forced=forced)):
         assert states(far.executable, variant) == states(near.executable, variant)
+
+
+@pytest.mark.parametrize('path', PROGRAMS, ids=lambda path: path.stem)
+def test_compare_when_done_elsewhere_then_the_result_is_the_same(
+    path: Path, compiler: CompilerProcess,
+) -> None:
+    data = path.read_bytes()
+    other = PROGRAMS[PROGRAMS.index(path) - 1]
+    old = compiler.compile(data, str(path), backend='python').executable
+    for new in (
+        compiler.compile(data + b'<!-- -->', str(path), backend='python').executable,
+        compiler.compile(other.read_bytes(), str(other), backend='python').executable,
+    ):
+        forces = {old.io()[0].index: True}
+        assert compiler.compare(old, new, forces) == LocalPlanner().compare(old, new, forces)
+        far, near = compiler.transition(old, new), LocalPlanner().transition(old, new)
+        assert far.report == near.report
+        values, initial = [object() for _ in old.slots], new.initial_state()
+        assert far.plan.back == near.plan.back and far.plan.memories == near.plan.memories
+        assert far.plan.gather([*values, *initial]) == near.plan.gather([*values, *initial])
+
+
+def test_transition_when_values_are_converted_then_they_are_elsewhere_too(
+    compiler: CompilerProcess,
+) -> None:
+    def text(type_: str) -> bytes:
+        return (f'<ladder version="1" name="p"><variables><variable name="n" type="{type_}"/>'
+                '</variables><body name="main"/></ladder>').encode()
+
+    old, new = (compiler.compile(text(type_), 'p.xml', backend='python').executable
+                for type_ in ('INT', 'LREAL'))
+    plan = compiler.transition(old, new).plan
+    assert plan.carry([0, 7], new.initial_state()) == [0, 7.0]
+    assert isinstance(plan.carry([0, 7], new.initial_state())[1], float)
+
+
+def test_transition_when_the_process_has_ended_or_forgotten_then_it_is_found() -> None:
+    compiler = CompilerProcess()
+    try:
+        made = [compiler.compile(path.read_bytes(), str(path), backend='python').executable
+                for path in PROGRAMS[:6]]  # more than it keeps
+        expected = LocalPlanner().transition(made[0], made[1]).report
+        assert compiler.transition(made[0], made[1]).report == expected
+        assert compiler._process is not None
+        compiler._process.kill()
+        compiler._process.wait(PATIENCE)
+        assert compiler.transition(made[0], made[1]).report == expected
+    finally:
+        compiler.close()
+
+
+def test_executable_when_only_changed_to_then_its_slots_stay_packed(
+    compiler: CompilerProcess,
+) -> None:
+    old, new = (compiler.compile(path.read_bytes(), str(path), backend='python').executable
+                for path in PROGRAMS[:2])
+    cycle = ScanCycle(old)
+    cycle.scan(0)
+    following, _ = cycle.successor(new, compiler.transition(old, new)).take_over()
+    following.scan(10_000_000)
+    assert isinstance(new.slots, Parts) and isinstance(new.components, Parts)
+    assert new.slots.unpacked() == [] == new.components.unpacked()
 
 
 def test_compile_when_the_program_is_wrong_then_every_error_comes_back(

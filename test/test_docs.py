@@ -34,9 +34,11 @@ if TYPE_CHECKING:
 
 README = ROOT / 'README.md'
 PIPELINE = ROOT / 'docs' / 'pipeline.md'
+EDITING = ROOT / 'docs' / 'editing.md'
+REFACTORING = ROOT / 'docs' / 'refactoring.md'
+SHOWING = [README, PIPELINE, EDITING, REFACTORING, ROOT / 'docs' / 'diff.md',
+           ROOT / 'docs' / 'proving.md']
 PAGES = sorted([README, ROOT / 'CONTRIBUTING.md', *(ROOT / 'docs').rglob('*.md')])
-INPUT_KEYS = ('timeout', 'fallback', 'stale')
-OUTPUT_KEYS = ('publish', 'safe')
 
 
 def text(path: Path) -> str:
@@ -67,7 +69,7 @@ def rows(page: str, heading: str) -> list[list[str]]:
 
 # -- what the pages show --------------------------------------------------------------------------
 
-@pytest.mark.parametrize('path', [README, PIPELINE], ids=name_of)
+@pytest.mark.parametrize('path', SHOWING, ids=name_of)
 def test_page_when_its_commands_are_run_then_it_shows_what_they_print(
     path: Path, tmp_path: Path, request: pytest.FixtureRequest,
 ) -> None:
@@ -180,21 +182,23 @@ def test_pipeline_when_its_table_of_instructions_is_read_then_it_has_every_opera
 
 @pytest.mark.parametrize(('path', 'heading'), [
     (README, 'Wiring topics'), (ROOT / 'docs' / 'ros.md', 'The I/O map')], ids=['readme', 'ros'])
-def test_page_when_its_table_of_the_io_map_is_read_then_it_has_every_key(
+def test_page_when_its_table_of_the_io_map_is_read_then_its_keys_are_real(
     path: Path, heading: str,
 ) -> None:
-    from ladder_ros.ros.parameters import IO_RULES
-    listed = {row[0].strip('`'): row for row in rows(text(path), heading)}
-    assert list(listed) == [rule.name for rule in IO_RULES]
-    for rule in IO_RULES:
+    from ladder_ros.ros.io_entries import IO_RULES
+    listed = {name.strip('`'): row for row in rows(text(path), heading)
+              for name in row[0].split(', ')}
+    known = [rule.name for rule in IO_RULES]
+    # The README shows the most usual ones, the page of the node all of them.
+    assert list(listed) == [name for name in known if name in listed or path != README]
+    for rule in (rule for rule in IO_RULES if rule.name in listed):
         _, who, default, _ = listed[rule.name]
         if rule.default not in ('', None):
             shown = str(rule.default).lower() if rule.kind is bool else str(rule.default)
             assert default == f'`{shown}`', rule.name
-        expected = ('inputs' if rule.name in INPUT_KEYS else
-                    'outputs' if rule.name in OUTPUT_KEYS else
-                    'BOOL inputs' if rule.name == 'catch_pulse' else 'both')
-        assert who == expected, rule.name
+        for_whom = rule.description.partition(': ')[0]
+        assert who in (for_whom, for_whom.lower()) or (
+            who == 'both' and for_whom.startswith(('The ', 'default'))), rule.name
 
 
 def test_node_page_when_its_table_of_parameters_is_read_then_it_has_every_parameter() -> None:
@@ -209,6 +213,18 @@ def test_node_page_when_its_table_of_parameters_is_read_then_it_has_every_parame
         if rule.default not in ('', []):
             shown = str(rule.default).lower() if rule.kind is bool else str(rule.default)
             assert default == f'`{shown}`'
+
+
+def test_node_page_when_its_tables_of_packed_variables_are_read_then_each_key_is_there() -> None:
+    from ladder_ros.ros.io_entries import PACKED_RULES
+    listed = [name for row in rows(text(ROOT / 'docs' / 'ros.md'), 'Packed variables')
+              for name in row[0].replace('`', '').split(', ')]
+    assert listed == [rule.name for rule in PACKED_RULES]
+
+
+def test_node_page_when_its_example_of_a_robot_is_read_then_it_is_the_file() -> None:
+    example = (ROOT / 'config' / 'mobile_robot.yaml').read_text(encoding='utf-8')
+    assert f'```yaml\n{example}```' in text(ROOT / 'docs' / 'ros.md')
 
 
 def test_node_page_when_its_table_of_message_types_is_read_then_defaults_are_real() -> None:

@@ -28,7 +28,10 @@ FUNCTION_LINES = 60
 # What a room may import of the package, as module prefixes; its own modules it may always import.
 BASE = {'problems', 'diagnostics'}
 DATA = BASE | {'model', 'executable'}
-DOORS = BASE | {'session', 'model.types', 'executable', 'runtime.clock', 'resources'}
+DOORS = BASE | {
+    'session', 'editing', 'refactoring', 'proving', 'comparing', 'model.types', 'executable',
+    'runtime.clock', 'resources',
+}
 MAY_IMPORT: dict[str, set[str]] = {
     '': set(),
     'problems': set(),
@@ -43,9 +46,17 @@ MAY_IMPORT: dict[str, set[str]] = {
     'edit': DATA | {'source', 'blocks', 'compiler'},
     'refactor': DATA | {'source', 'blocks', 'compiler', 'edit'},
     'runtime': BASE | {'model.types', 'executable'},
+    'comparing': DATA | {'source', 'drawing', 'refactor'},
+    'proving_process': {'runtime'},
+    # Does for the runtime what the compiler can, in another process.
+    'background': DATA | {'source', 'blocks', 'compiler', 'runtime'},
     'session': DATA | {
-        'source', 'drawing', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'resources',
+        'source', 'drawing', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'background',
+        'resources', 'proving_process',
     },
+    'refactoring': DATA | {'source', 'drawing', 'compiler', 'refactor'},
+    'proving': DATA | {'source', 'compiler', 'refactor', 'runtime'},
+    'editing': DATA | {'source', 'drawing', 'edit'},
     # What a recording of topics is for a program is the node's to say; that part needs no ROS.
     'cli': DOORS | {'ros.bag'},
     'ros': DOORS,
@@ -75,10 +86,10 @@ MESSAGE_PACKAGE = re.compile(r'\w+_(msgs|srvs|interfaces)')
 # A scan is a function of its state, inputs and `now`: only the clock module reads a clock.
 CLOCKS = {'time', 'datetime', 'sched'}
 WITHOUT_CLOCK = ('problems', 'diagnostics', 'model', 'source', 'drawing', 'executable', 'blocks',
-                 'compiler', 'edit', 'runtime')
+                 'compiler', 'edit', 'runtime', 'background')
 
 # Modules of the compiler that run it as others do, from outside.
-USERS = {'pipeline', 'dump', 'background', 'worker'}
+USERS = {'pipeline', 'dump'}
 NOUNS = ('symbols', 'wiring', 'aov', 'tree', 'il')
 
 # Stages know no other stage, but for parts of their own work: an imported drawing is put in order

@@ -35,7 +35,7 @@ ROSDEP_KEYS = {
 WITH_RCLPY = {'builtin_interfaces', 'rosidl_parser'}
 OPTIONAL = {'rosidl_runtime_py', 'launch', 'launch_ros'}
 # What an extra of setup.py is for, and nobody needs who does not ask for it.
-EXTRA = {'rosbags', 'llvmlite'}
+EXTRA = {'rosbags', 'llvmlite', 'z3'}
 IMPORT = re.compile(r'^\s*(?:from|import)\s+(\w+)', re.MULTILINE)
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 from pathlib import Path
 import random
 
-from programs.counting import count, Counts, drawn
 from programs.simulation import BACKENDS, differences, PATHS, PROGRAMS, Run
 import pytest
 
@@ -15,6 +14,7 @@ from ladder_ros import session
 from ladder_ros.model.component import Instance
 from ladder_ros.model.program import Composite, Program
 from ladder_ros.model.types import DataType, INTEGER_RANGE, Value
+from ladder_ros.refactor.metrics import count, Counts, measure
 from ladder_ros.source.model_to_xml import write_program
 from ladder_ros.source.xml_to_model import read_program
 
@@ -127,6 +127,10 @@ def test_composite_when_read_then_its_parameters_are_those_of_the_paper(
     name: str, parameters: list[str],
 ) -> None:
     assert [p.name for p in definition(COMPOSITE, name).parameters] == parameters
+
+
+def drawn(program: Program) -> int:
+    return measure(program).counts.components
 
 
 def test_elevators_when_compared_then_composites_save_what_the_paper_saves() -> None:

@@ -285,7 +285,7 @@ def test_write_slot_when_the_program_has_changed_then_the_variable_of_that_name_
     more = '<variable name="extra" type="REAL"/>' + VARIABLES
     program.write_text(text(SEAL_IN, variables=more))
     bench.session.reload()
-    bench.session.write_slot(old.by_path['start'].index, True, of=old)
+    bench.session.write_slots(((old.by_path['start'].index, True, False),), of=old)
     bench.session.start()
     bench.run(1)
     assert bench.session.read('motor') is True

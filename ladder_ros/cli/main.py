@@ -2,15 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command ``ladder``: reads the command line, prints the answer, chooses the exit status.
 
-Exit status: 0 fine, 1 problems with the program or its files, 2 wrong usage, 70 a fault of
-ladder_ros itself, 130 interrupted, 141 the reader of the output has gone.  With ``--json`` exactly
-one JSON document is printed whatever happens: its member ``ok`` says whether the status is 0.
+Exit status: 0 fine, 1 problems with the program or its files, 2 wrong usage, 3 not decided
+(prove), 70 a fault of ladder_ros itself, 130 interrupted, 141 the reader of the output has gone.
+With ``--json`` exactly one JSON document is printed whatever happens: its member ``ok`` says
+whether the status is 0.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 import difflib
@@ -22,14 +23,32 @@ from textwrap import fill
 import traceback
 
 import ladder_ros
-from ladder_ros.cli import check, dump, export, record, replay, show, simulate, terminal
+from ladder_ros.cli import (
+    check,
+    diff,
+    dump,
+    edit,
+    export,
+    library,
+    metrics,
+    prove,
+    record,
+    refactor,
+    replay,
+    show,
+    simulate,
+    terminal,
+)
 from ladder_ros.cli.verb import (
+    add_json,
     Answer,
     BROKEN_PIPE,
+    examples,
     FINE,
     INTERNAL,
     INTERRUPTED,
     PROBLEMS,
+    UNDECIDED,
     USAGE,
     Verb,
 )
@@ -37,7 +56,8 @@ from ladder_ros.diagnostics import InternalError, LadderError, render
 
 VERBS: Mapping[str, Verb] = {
     module.VERB.name: module.VERB for module in (
-        check, show, dump, simulate, export, record, replay)
+        check, show, dump, simulate, export, edit, metrics, refactor, library, diff, prove, record,
+        replay)
 }
 """The verbs by name, in the order in which they are useful."""
 
@@ -98,6 +118,8 @@ def _print(answer: Answer, args: argparse.Namespace) -> int:
                      'diagnostics': [d.to_json() for d in answer.diagnostics]})
     elif answer.diagnostics and not answer.reported:
         terminal.report(render(answer.diagnostics))
+    if answer.is_open:
+        return UNDECIDED
     return FINE if answer.is_fine else PROBLEMS
 
 
@@ -166,29 +188,19 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog='ladder', allow_abbrev=False, formatter_class=argparse.RawDescriptionHelpFormatter,
         description='Check, look at and try out ladder programs; nothing here needs ROS.',
-        epilog=_examples(verb.examples[0] for verb in VERBS.values())
+        epilog=examples(verb.examples[0] for verb in VERBS.values())
         + '\n\nladder VERB --help tells more. Exit status: 0 fine, 1 problems, 2 usage,\n'
-        '70 a fault of ladder itself.')
+        '3 not decided (prove), 70 a fault of ladder itself.')
     parser.add_argument('--version', action='version', version=ladder_ros.__version__)
-    _add_json(parser)
+    add_json(parser)
     verbs = parser.add_subparsers(dest='verb', metavar='VERB', required=True)
     for verb in VERBS.values():
         one = verbs.add_parser(
             verb.name, help=verb.summary, description=fill(verb.description, 79),
             formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
-            epilog=_examples(verb.examples))
+            epilog=examples(verb.examples))
         one.add_argument('program', metavar='PROGRAM',
                          help='a file, or the name of an example that comes with ladder_ros')
         verb.add_arguments(one)
-        _add_json(one)
+        add_json(one)
     return parser
-
-
-def _add_json(parser: argparse.ArgumentParser) -> None:
-    # Before or after the verb; a default would overwrite what the other place was told.
-    parser.add_argument('--json', action='store_true', default=argparse.SUPPRESS,
-                        help='print one JSON document and nothing else')
-
-
-def _examples(lines: Iterable[str]) -> str:
-    return 'examples:\n' + '\n'.join(f'  ladder {line}' for line in lines)

@@ -56,8 +56,8 @@ def _scan(
     """Let one scan after the other happen; the inputs of each are written before it."""
     rows = simulation.inputs.rows if simulation.inputs else ()
     for number in range(max(simulation.scans, 0)):
-        for index, value in rows[number] if number < len(rows) else ():
-            running.write_slot(index, value)
+        if number < len(rows):
+            running.write_slots((index, value, False) for index, value in rows[number])
         if number == 0:
             running.start()
         else:

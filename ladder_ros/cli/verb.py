@@ -13,6 +13,8 @@ from ladder_ros.diagnostics import Diagnostic, has_errors
 FINE = 0
 PROBLEMS = 1
 USAGE = 2
+UNDECIDED = 3
+"""A question was not decided either way."""
 INTERNAL = 70
 """EX_SOFTWARE of sysexits.h: a fault of ladder_ros itself, never the user's."""
 INTERRUPTED = 130
@@ -26,7 +28,8 @@ class Answer:
     ``text`` is for people, in pieces that are printed as they come (or written to the file
     ``output``); ``is_data`` tells that it is a file's content, UTF-8 wherever it goes.  ``facts``
     are the members that the verb adds to the JSON document.  ``reported`` tells that ``text`` has
-    the diagnostics already.  ``ok`` None means: unless there are errors.
+    the diagnostics already.  ``ok`` None means: unless there are errors.  ``is_open`` tells that
+    the question was not decided.
     """
 
     text: Iterable[str] = ()
@@ -36,6 +39,7 @@ class Answer:
     is_data: bool = False
     output: str | None = None
     ok: bool | None = None
+    is_open: bool = False
 
     @property
     def is_fine(self) -> bool:
@@ -69,3 +73,15 @@ def add_output(parser: argparse.ArgumentParser) -> None:
     """Add ``-o``."""
     parser.add_argument(
         '-o', '--output', metavar='FILE', help='write to this file instead of standard output')
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """Add ``--json``, which may stand before or behind the verb and its action."""
+    # A default would overwrite what the other place was told.
+    parser.add_argument('--json', action='store_true', default=argparse.SUPPRESS,
+                        help='print one JSON document and nothing else')
+
+
+def examples(lines: Iterable[str]) -> str:
+    """Return the example command lines as help texts show them."""
+    return 'examples:\n' + '\n'.join(f'  ladder {line}' for line in lines)

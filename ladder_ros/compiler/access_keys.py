@@ -8,20 +8,28 @@ from collections.abc import Callable
 
 from ladder_ros.compiler.symbols import Element, Literal, Operand
 from ladder_ros.model.program import Body, CallKind, Direction, Pou, Program, Variable
+from ladder_ros.model.types import normal_address
+
+AccessKey = Callable[[Operand], 'str | None']
 
 
 def storage_key(variable: Variable) -> str:
     """Return what tells the storage of a located variable, whichever way its address is written.
 
-    ``%Q0.0`` is ``%QX0.0``; variables of other types at an address have storage of their own.
+    Variables of other types at an address have storage of their own.
     """
-    address = variable.address.upper()
-    if address[2:3].isdigit():
-        address = f'{address[:2]}X{address[2:]}'
-    return f'{address} {variable.type}'
+    return f'{normal_address(variable.address)} {variable.type}'
 
 
-def access_key(program: Program, pou: Pou) -> Callable[[Operand], str | None]:
+def by_path(operand: Operand) -> str | None:
+    """Return the variable's own name, where no two names mean one; None for a literal."""
+    if isinstance(operand, Literal):
+        return None
+    ref = operand.first if isinstance(operand, Element) else operand
+    return ref.path.casefold().partition('[')[0]
+
+
+def access_key(program: Program, pou: Pou) -> AccessKey:
     """Return what names the variable that an operand stands for, None for a literal.
 
     Two operands with one key may be one variable.
@@ -29,11 +37,8 @@ def access_key(program: Program, pou: Pou) -> Callable[[Operand], str | None]:
     names = _shared_names(program, pou)
 
     def key(operand: Operand) -> str | None:
-        if isinstance(operand, Literal):
-            return None
-        ref = operand.first if isinstance(operand, Element) else operand
-        name = ref.path.casefold().partition('[')[0]
-        return names.get(name, name)
+        name = by_path(operand)
+        return None if name is None else names.get(name, name)
 
     return key
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from ladder_ros.compiler.il import Instruction
 from ladder_ros.compiler.symbols import Operand, Ref, Resolved
 from ladder_ros.compiler.wiring import describe, Rail
-from ladder_ros.model.component import Block, Coil, Component, Contact, Instance
+from ladder_ros.model.component import Block, Coil, Component, Contact, Instance, Jump
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,7 +29,8 @@ class SymbolVertex:
     that the graph belongs to; ``instance`` is the block's or composite's instance there, and
     ``memory`` the hidden variable of an edge contact or coil.  In imported drawings ``prelude`` is
     what is executed first, ``body`` the code of an EXECUTE box; ``is_block`` tells that the
-    instance is an imported POU, and ``touches`` is what that may read and write outside.
+    instance is an imported POU, and ``touches`` is what that may read and write outside;
+    ``keeps_inputs`` tells that a standard block's inputs are variables of its instance.
     """
 
     id: int
@@ -41,10 +42,17 @@ class SymbolVertex:
     prelude: tuple[Instruction, ...] = ()
     body: tuple[Instruction, ...] = ()
     is_block: bool = False
+    keeps_inputs: bool = False
     touches: tuple[Operand, ...] = ()
 
     def __str__(self) -> str:
         return f's{self.id}'
+
+
+def rung_title(rung: str, labels: tuple[str, ...], comment: str) -> str:
+    """Return the line above a listing of a rung."""
+    names = f' (label {", ".join(labels)})' if labels else ''
+    return f'rung {rung}{names}' + (f'  -- {comment}' if comment else '')
 
 
 def describe_symbol(symbol: SymbolVertex) -> str:
@@ -103,6 +111,8 @@ class Aov:
     symbols: tuple[SymbolVertex, ...]
     virtuals: tuple[VirtualVertex, ...]
     arcs: tuple[Arc, ...]
+    labels: tuple[str, ...] = ()
+    """Names by which jumps know the rung."""
 
     def degrees(self) -> tuple[dict[int, int], dict[int, int]]:
         """Return in-degree and out-degree by vertex id."""
@@ -142,7 +152,7 @@ class Aov:
         for arc in self.arcs:
             text = name[arc.target] + (f'.{arc.target_pin}' if arc.target_pin else '')
             after[arc.source].append((f'{arc.source_pin}:' if arc.source_pin else '') + text)
-        yield f'rung {self.rung}' + (f'  -- {self.comment}' if self.comment else '')
+        yield rung_title(self.rung, self.labels, self.comment)
         for vertex in self.virtuals:
             kinds = [vertex.rail.value] if vertex.rail is not Rail.NONE else []
             if out[vertex.id] > 1:
@@ -170,6 +180,8 @@ def reads_and_writes(symbol: SymbolVertex) -> tuple[tuple[Operand, ...], tuple[O
         return operands, tuple(ref for _, ref in resolved.outputs)
     if isinstance(component, (Block, Instance)):
         return operands + symbol.touches, operands + symbol.touches
+    if isinstance(component, Jump):
+        return before, ()
     assert resolved.operand is not None
     if isinstance(component, Contact):
         return (*before, resolved.operand), ()

@@ -19,13 +19,14 @@ sorting of parallel branches included.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 import heapq
 import math
 
-from ladder_ros.compiler.aov import Aov, reads_and_writes
-from ladder_ros.compiler.symbols import Operand
+from ladder_ros.compiler.access_keys import AccessKey
+from ladder_ros.compiler.accesses import access_histories
+from ladder_ros.compiler.aov import Aov
 from ladder_ros.compiler.tree import (
     And,
     Forest,
@@ -35,7 +36,6 @@ from ladder_ros.compiler.tree import (
     Load,
     Or,
     Pin,
-    pin_operand,
     Save,
     Tree,
     Wire,
@@ -51,8 +51,6 @@ OUTPUT = -2
 
 LINE_RANK = math.inf
 """Rank of a mere line among parallel branches: it evaluates nothing."""
-
-AccessKey = Callable[[Operand], 'str | None']
 
 
 def reduce_to_tree(aov: Aov, access_key: AccessKey) -> Forest:
@@ -122,7 +120,7 @@ class _Reducer:
             else:
                 trees = self._evaluate_joints(left)
         return Forest(rung=self.aov.rung, comment=self.aov.comment, trees=tuple(trees),
-                      temporaries=self.temporaries)
+                      temporaries=self.temporaries, labels=self.aov.labels)
 
     # -- the graph as joints and branches ---------------------------------------------------------
 
@@ -280,7 +278,7 @@ def _keeps_order(forest: Forest, aov: Aov, access_key: AccessKey) -> bool:
     actual = [node for node in order if isinstance(node, (Leaf, Pin))]
     if not _temporaries_are_set(order):
         return False
-    return _histories(natural, access_key) == _histories(actual, access_key)
+    return access_histories(natural, access_key) == access_histories(actual, access_key)
 
 
 def _temporaries_are_set(order: Iterable[Tree]) -> bool:
@@ -291,53 +289,3 @@ def _temporaries_are_set(order: Iterable[Tree]) -> bool:
         elif isinstance(node, Leaf) and any(t not in saved for _, t in node.power_pins):
             return False
     return True
-
-
-def _histories(
-    order: Iterable[Leaf | Pin], access_key: AccessKey,
-) -> dict[str, list[frozenset[object]]]:
-    """Return each written variable's accesses: sets of readers between writers."""
-    accesses: dict[str, list[tuple[object, bool]]] = defaultdict(list)
-    written: set[str] = set()
-    for node in order:
-        for key, is_write in _accesses(node, access_key):
-            name: object = (node.symbol.id, node.pin if isinstance(node, Pin) else '')
-            accesses[key].append((name, is_write))
-            if is_write:
-                written.add(key)
-    histories: dict[str, list[frozenset[object]]] = {}
-    for key in written:
-        groups: list[frozenset[object]] = []
-        readers: set[object] = set()
-        for who, is_write in accesses[key]:
-            if is_write:
-                groups += [frozenset(readers), frozenset([('writer', who)])]
-                readers = set()
-            else:
-                readers.add(who)
-        groups.append(frozenset(readers))
-        histories[key] = groups
-    return histories
-
-
-def _accesses(node: Leaf | Pin, access_key: AccessKey) -> Iterable[tuple[str, bool]]:
-    """Yield the keys of what the node touches, and whether it writes it.
-
-    A block's or composite's instance is a variable that each call writes; ``@`` marks it.
-    """
-    symbol = node.symbol
-    if isinstance(node, Pin):
-        reads, writes = (pin_operand(node),), ()
-    else:
-        reads, writes = reads_and_writes(symbol)  # type: ignore[assignment]
-    for operand in reads:
-        key = access_key(operand)
-        if key is not None:
-            yield key, False
-            yield '@' + key.rpartition('.')[0], False
-    for operand in writes:
-        key = access_key(operand)
-        if key is not None:
-            yield key, True
-    if isinstance(node, Leaf) and symbol.instance:
-        yield '@' + symbol.instance.casefold(), True

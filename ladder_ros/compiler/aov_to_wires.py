@@ -29,7 +29,7 @@ from ladder_ros.model.component import (
     OutVariable,
     Placement,
 )
-from ladder_ros.model.program import Composite, Order, Port, Rung, Wire
+from ladder_ros.model.program import Composite, Port, Rung, Wire
 from ladder_ros.model.types import DataType, default_value
 
 _COLUMN, _ROW, _LEFT = 170, 50, 70
@@ -63,7 +63,7 @@ class WireMaker:
     def rung(self, comment: str = '') -> Rung:
         """Return the drawing of what was added."""
         return Rung(id='1', width=0, components=tuple(self.components), wires=tuple(self.wires),
-                    order=Order.DOCUMENT, comment=comment)
+                    comment=comment)
 
     def add(self, aov: Aov) -> None:
         """Add the graph of a rung below what there is."""
@@ -144,13 +144,16 @@ class _Network:
     # -- order ------------------------------------------------------------------------------
 
     def late_contacts(self) -> set[int]:
-        """Return the contacts whose variable changes before a statement needs their power."""
+        """Return the contacts whose variable changes before a statement needs their power.
+
+        Some editors read a contact anew for each statement that it feeds: the last one counts.
+        """
         symbols = self.aov.symbols
         need: dict[int, int] = {}
         for place, symbol in enumerate(symbols):
             if not isinstance(symbol.component, Contact):
                 for source in self.needed(symbol.id):
-                    need.setdefault(source, place)
+                    need[source] = place
         late = set()
         for place, symbol in enumerate(symbols):
             if not isinstance(symbol.component, Contact) or symbol.id not in need:
@@ -354,7 +357,7 @@ class _Network:
         place = self.place(sources, width=120, height=height)
         number = self.maker.new_id()
         composite = self.composite(component)
-        own = {pin: interface(composite, rename=self.maker.names.types.rename)[0].own(pin)
+        own = {pin: interface(composite, self.maker.names.types)[0].own(pin)
                for pin in resolved}
         self.inputs(number, place, {own[pin]: operand for pin, operand in resolved.items()})
         name = self.maker.names.instance(symbol.instance, composite.name, composite)

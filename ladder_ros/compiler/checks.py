@@ -95,7 +95,8 @@ def check_coils(
             if instruction.op in (Op.ST, Op.STN, Op.STP, Op.STF) and instruction.component:
                 assert isinstance(instruction.operand, Ref)
                 path = instruction.operand.path
-                writers[path.casefold()].append((path, instruction.component))
+                if not path.startswith('%T'):
+                    writers[path.casefold()].append((path, instruction.component))
     return tuple(
         problem('L0212', location[coils[1][1]], name=coils[0][0],
                 related=tuple((location[path], f'coil {path}') for _, path in coils if

@@ -15,16 +15,26 @@ from ladder_ros.compiler.lay_out import lay_out
 from ladder_ros.compiler.link import link_code, list_components
 from ladder_ros.compiler.pipeline import analyse, build_trees, completed, lower, Stages
 from ladder_ros.compiler.symbols import pou_key
-from ladder_ros.compiler.tree_to_drawing import draw_forest
+from ladder_ros.compiler.tree_to_drawing import draw_forest, Texts
 from ladder_ros.diagnostics import has_errors, LadderError
-from ladder_ros.model.program import Body, Pou, Program
+from ladder_ros.model.component import InVariable
+from ladder_ros.model.program import Body, Pou, Program, Rung
+
+
+def require_pou(program: Program, pou: str | None) -> None:
+    """Raise LadderError L0509 if the program has no POU of that name."""
+    pous: tuple[Pou, ...] = (*program.bodies, *program.composites)
+    names = [part.name for part in pous]
+    if pou is not None and pou.casefold() not in (name.casefold() for name in names):
+        raise LadderError.of('L0509', program.location, name=pou, known=', '.join(names))
 
 
 def dump_stage(program: Program, stage: str, pou: str | None = None) -> str:
     """Return the text of a stage (one of STAGES), for one POU or all.
 
-    Raises LadderError if the program has errors before that stage, or lacks the POU (L0502).
+    Raises LadderError if the program has errors before that stage, or lacks the POU (L0509).
     """
+    require_pou(program, pou)
     program = completed(program)
     stages = analyse(program)
     if has_errors(stages.diagnostics):
@@ -45,8 +55,10 @@ def with_drawings(program: Program) -> Program:
     if has_errors(stages.diagnostics):
         raise LadderError(stages.diagnostics)
     orders = {pou_key(pou): rung.order for pou in pous for rung in pou.rungs}
+    texts = {pou_key(pou): _pin_texts(rung) for pou in pous for rung in pou.rungs}
     drawn = {
-        key: tuple(replace(draw_forest(forest), order=orders[key]) for forest in forests)
+        key: tuple(replace(draw_forest(forest, texts[key]), order=orders[key])
+                   for forest in forests)
         for key, forests in build_trees(program, stages, inline=True).items()}
     return replace(
         program,
@@ -54,15 +66,22 @@ def with_drawings(program: Program) -> Program:
         bodies=tuple(replace(b, rungs=drawn.get(pou_key(b), ())) for b in program.bodies))
 
 
+def _pin_texts(rung: Rung) -> Texts:
+    """Return what the variables that are wired to blocks say."""
+    written = {c.id: c.operand for c in rung.components if isinstance(c, InVariable)}
+    texts: dict[str, dict[str, str]] = {}
+    for wire in rung.wires or ():
+        if wire.source.component in written:
+            pins = texts.setdefault(wire.target.component, {})
+            pins[wire.target.pin] = written[wire.source.component]
+    return texts
+
+
 def _chosen(program: Program, pou: str | None) -> list[Pou]:
     pous: list[Pou] = [*program.composites, *program.bodies]
     if pou is None:
         return pous
-    chosen = [p for p in pous if p.name.casefold() == pou.casefold()]
-    if not chosen:
-        raise LadderError.of('L0502', program.location, ', '.join(p.name for p in pous),
-                             name=pou, hint='')
-    return chosen
+    return [p for p in pous if p.name.casefold() == pou.casefold()]
 
 
 def _sections(

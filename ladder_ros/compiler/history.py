@@ -105,7 +105,8 @@ class History:
         for entry in said:
             member, sign, path = entry.partition('=')
             if sign:
-                members[member.casefold()] = (*members.get(member.casefold(), ()), path)
+                before = members.get(member.casefold(), ())
+                members[member.casefold()] = (*before, *_members_inside(outer, path))
             else:
                 olds += _inside(outer, entry)
         for member, paths in outer.members.items():
@@ -149,6 +150,14 @@ class History:
 def _inside(frame: _Frame, relative: str) -> Sequence[str]:
     """Return the paths from the program of a path that is relative to a frame."""
     return [f'{old}.{relative}' for old in frame.olds] if frame.pou else [relative]
+
+
+def _members_inside(frame: _Frame, path: str) -> Sequence[str]:
+    """Return where a member of an instance was: paths from the program, however deep it is."""
+    if not frame.pou:
+        return [path]
+    relative = [f'{old}/{path}' if '/' in path else f'{old}.{path}' for old in frame.olds]
+    return [*relative, path]
 
 
 def _edge_slots(place: str) -> Iterator[str]:

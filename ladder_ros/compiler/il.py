@@ -26,6 +26,7 @@ IF ... ELSE ... FI           pop the result: execute the first part if TRUE, els
 LOOP ... POOL                repeat until BRK leaves
 BRK                          pop the result: if TRUE leave the innermost loop
 RET                          pop the result: if TRUE leave the routine
+JMP label                    pop the result: if TRUE go on with the network of that label
 RUN composite instance       as EXE, for an imported function block: nothing happens when that ends
 EXE composite instance       execute the instance's routine if the current result is TRUE; when
                              that ends, release the routine's timers once
@@ -33,7 +34,8 @@ EXE composite instance       execute the instance's routine if the current resul
 
 IEC 61131-3 (tables 52 and 53) has LD to R and CAL; ANB, ORB, MPS, MRD, MPP and the pulse forms are
 those of Mitsubishi's lists; LRD, LPP, DRP and EXE are ours (a branch that needs the root's power
-inside a parallel one).  EXE leaves the result as it is: ENO is EN.
+inside a parallel one).  EXE leaves the result as it is: ENO is EN.  JMP goes from the end of a
+network to the start of one, where both stacks are empty.
 """
 
 from __future__ import annotations
@@ -88,13 +90,14 @@ class Op(Enum):
     BRK = 'BRK'
     POOL = 'POOL'
     RET = 'RET'
+    JMP = 'JMP'
 
 
 LOADS = frozenset({Op.LD, Op.LDN, Op.LDP, Op.LDF})
 EDGES = frozenset({Op.LDP, Op.LDF, Op.ANDP, Op.ANDF, Op.ORP, Op.ORF, Op.STP, Op.STF})
 STORES = frozenset({Op.ST, Op.STN, Op.S, Op.R, Op.STP, Op.STF})
-CONTROL = frozenset({Op.IF, Op.ELSE, Op.FI, Op.LOOP, Op.BRK, Op.POOL, Op.RET})
-BARE = CONTROL | {
+CONTROL = frozenset({Op.IF, Op.ELSE, Op.FI, Op.LOOP, Op.BRK, Op.POOL, Op.RET, Op.JMP})
+BARE = CONTROL - {Op.JMP} | {
     Op.ANB, Op.ORB, Op.MPS, Op.MRD, Op.MPP, Op.LRD, Op.LPP, Op.DRP, Op.NOT}
 
 
@@ -120,7 +123,7 @@ class Instruction:
     """An operator and what it works on.
 
     ``component`` is the path of the component whose evaluation ends here, or empty; ``target`` is
-    what MOV writes.
+    what MOV writes; ``label`` is where JMP goes.
     """
 
     op: Op
@@ -128,16 +131,18 @@ class Instruction:
     memory: Ref | None = None
     target: Target | None = None
     call: Call | None = None
+    label: str = ''
     component: str = ''
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Network:
-    """The code of a rung."""
+    """The code of a rung; jumps to one of its ``labels`` go on with it."""
 
     rung: str
     code: tuple[Instruction, ...]
     comment: str = ''
+    labels: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -153,6 +158,11 @@ class Routine:
         for network in self.networks:
             yield from network.code
 
+    def labels(self) -> dict[str, int]:
+        """Return the number of the network that each label names."""
+        return {label: number for number, network in enumerate(self.networks)
+                for label in network.labels}
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InstructionList:
@@ -162,7 +172,10 @@ class InstructionList:
 
 
 LOOP_LIMIT = 1_000_000
-"""Most rounds that the loops of one rung, or of one Structured Text body, may make in a scan."""
+"""Most rounds that the loops of one rung, or of one Structured Text body, may make in a scan.
+
+As many jumps backwards may a routine make.
+"""
 
 
 class LoopError(RuntimeError):

@@ -72,17 +72,24 @@ class _Machine:
     temporaries: dict[str, Value] = field(default_factory=dict)
 
     def run(self, routine: Routine) -> None:
-        for network in routine.networks:
-            if self._network(network):
-                return
+        labels = routine.labels()
+        number = rounds = 0
+        while number < len(routine.networks):
+            network = routine.networks[number]
+            label = self._network(network)
+            following = number + 1 if label is None else labels.get(label, len(routine.networks))
+            rounds += following <= number
+            if rounds > LOOP_LIMIT:
+                raise LoopError(f'rung {network.rung}: jumps back do not end')
+            number = following
 
-    def _network(self, network: Network) -> bool:
-        """Execute a rung; return whether the routine is to be left."""
+    def _network(self, network: Network) -> str | None:
+        """Execute a rung; return the label to go on at, '' to leave the routine."""
         outer = self.stack, self.memory, self.temporaries
         self.stack, self.memory, self.temporaries = [], [], {}
-        place, leave = 0, False
+        place, leave = 0, None
         rounds = 0
-        while place < len(network.code) and not leave:
+        while place < len(network.code) and leave is None:
             instruction = network.code[place]
             if instruction.op in CONTROL:
                 place, leave = self._control(network.code, place)
@@ -97,23 +104,23 @@ class _Machine:
         self.stack, self.memory, self.temporaries = outer
         return leave
 
-    def _control(self, code: Sequence[Instruction], place: int) -> tuple[int, bool]:
-        """Return where to go on, and whether the routine is to be left."""
+    def _control(self, code: Sequence[Instruction], place: int) -> tuple[int, str | None]:
+        """Return where to go on, and the label to go on at instead ('' to leave the routine)."""
         op = code[place].op
-        if op is Op.RET:
-            return place + 1, self.stack.pop()
+        if op is Op.RET or op is Op.JMP:
+            return place + 1, code[place].label if self.stack.pop() else None
         if op is Op.IF:
-            return place + 1 if self.stack.pop() else matching(code, place, 1) + 1, False
+            return place + 1 if self.stack.pop() else matching(code, place, 1) + 1, None
         if op is Op.ELSE:
-            return matching(code, place, 1) + 1, False
+            return matching(code, place, 1) + 1, None
         if op is Op.POOL:
-            return matching(code, place, -1) + 1, False
+            return matching(code, place, -1) + 1, None
         if op is Op.BRK and self.stack.pop():
             while code[place].op is not Op.POOL:
                 place += 1
                 if code[place].op is Op.LOOP:
                     place = matching(code, place, 1) + 1
-        return place + 1, False
+        return place + 1, None
 
     def read(self, operand: Operand) -> Value:
         """Return the value of a literal, a temporary or a variable."""

@@ -22,6 +22,7 @@ from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.types import DataType, parse_literal
+from ladder_ros.source.grammar import NAME
 
 
 def print_il(program: InstructionList) -> str:
@@ -33,6 +34,7 @@ def _print(program: InstructionList) -> Iterator[str]:
     for routine in program.routines:
         yield f'{"BODY" if routine.is_body else "ROUTINE"} {routine.name}'
         for network in routine.networks:
+            yield from (f'LABEL {label}' for label in network.labels)
             comment = json.dumps(network.comment) if network.comment else ''
             yield f'NETWORK {network.rung} {comment}'.rstrip()
             for instruction in network.code:
@@ -44,6 +46,8 @@ def print_instruction(instruction: Instruction) -> str:
     text = f'{instruction.op.value:5}'
     if instruction.op is Op.MOV and instruction.operand is not None:
         text += f'{instruction.operand.type} {instruction.operand} => {instruction.target}'
+    elif instruction.label:
+        text += instruction.label
     elif instruction.call is not None:
         text += _print_call(instruction.op, instruction.call)
     elif instruction.operand is not None:
@@ -84,7 +88,8 @@ def parse_il(text: str, file: str = '') -> InstructionList:
 
     Raises LadderError (L0402) with the line and what is expected there.
     """
-    routines: list[tuple[str, bool, list[tuple[str, str, list[Instruction]]]]] = []
+    routines: list[tuple[str, bool, list[tuple[str, str, list[Instruction], list[str]]]]] = []
+    labels: list[str] = []
     for number, line in enumerate(text.split('\n'), start=1):
         if not line.strip():
             continue
@@ -92,17 +97,20 @@ def parse_il(text: str, file: str = '') -> InstructionList:
         word, _, rest = line.strip().partition(' ')
         if word in ('BODY', 'ROUTINE'):
             routines.append((rest.strip(), word == 'BODY', []))
-        elif not routines or (word != 'NETWORK' and not routines[-1][2]):
+        elif word == 'LABEL' and routines and NAME.fullmatch(rest.strip()):
+            labels.append(rest.strip())
+        elif not routines or (word != 'NETWORK' and (labels or not routines[-1][2])):
             raise _bad(location, line, 'a program starts with BODY name, then NETWORK name')
         elif word == 'NETWORK':
             rung, _, comment = rest.strip().partition(' ')
-            routines[-1][2].append((rung, _comment(comment, location), []))
+            routines[-1][2].append((rung, _comment(comment, location), [], labels))
+            labels = []
         else:
             routines[-1][2][-1][2].append(_parse_instruction(line, location))
     return InstructionList(routines=tuple(
         Routine(name=name, is_body=is_body, networks=tuple(
-            Network(rung=rung, comment=comment, code=tuple(code))
-            for rung, comment, code in networks))
+            Network(rung=rung, comment=comment, code=tuple(code), labels=tuple(labels))
+            for rung, comment, code, labels in networks))
         for name, is_body, networks in routines))
 
 
@@ -127,6 +135,10 @@ def _parse_instruction(line: str, location: Location) -> Instruction:
         if rest:
             raise _bad(location, line, f'{op.value} alone')
         return Instruction(op=op, component=component)
+    if op is Op.JMP:
+        if not NAME.fullmatch(rest):
+            raise _bad(location, line, 'JMP label')
+        return Instruction(op=op, label=rest, component=component)
     if op is Op.MOV:
         return _parse_move(rest, component, location, line)
     if op in (Op.CAL, Op.FUN, Op.EXE, Op.RUN):

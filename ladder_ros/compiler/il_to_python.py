@@ -115,24 +115,44 @@ class _Program:
 
     def _routine(self, routine: Routine) -> None:
         name = self.routine_names[routine.is_body, routine.name]
-        parts = [routine.networks[start:start + _NETWORKS_PER_FUNCTION]
-                 for start in range(0, len(routine.networks), _NETWORKS_PER_FUNCTION)]
+        parts = _parts(routine)
+        jumps = {label: number for number, part in enumerate(parts)
+                 for label in part[0].labels}
         for number, part in enumerate(parts):
             self.lines += ['', '', f'def {name}_{number}(s, now, p):']
             for network in part:
                 self.lines.append(f'    # {routine.name} rung {network.rung}'
                                   + (f': {_plain(network.comment)}' if network.comment else ''))
-                self.lines += [f'    {line}' for line in _Emitter(program=self).emit(network)]
+                emitter = _Emitter(program=self, jumps=jumps, end=len(parts))
+                self.lines += [f'    {line}' for line in emitter.emit(network)]
             self.lines.append('    return')
+        if jumps:
+            functions = ', '.join(f'{name}_{number}' for number in range(len(parts)))
+            self.lines += ['', '', f'{name}_parts = ({functions},)']
         self.lines += ['', '', f'def {name}(s, now, p):']
         if self.observed and routine.is_body:
             self.lines.append(f'    p[:] = [False] * {len(self.components)}')
-        self.lines += [f'    if {name}_{number}(s, now, p):\n        return'
-                       for number in range(len(parts))]
+        if jumps:
+            self._dispatch(name, len(parts))
+        else:
+            self.lines += [f'    if {name}_{number}(s, now, p):\n        return'
+                           for number in range(len(parts))]
         self.lines.append('    return')
         if not routine.is_body:
             self.lines += ['', '', f'def {name}_release(s):']
             self.lines += [f'    {line}' for line in self._release(routine)]
+
+    def _dispatch(self, name: str, parts: int) -> None:
+        """Call the parts of a routine with jumps: each says which one follows, if not the next."""
+        error = self.name('LoopError', LoopError)
+        self.lines += [f'    {line}' for line in (
+            'at = rounds = 0',
+            f'while at < {parts}:',
+            f'    to = {name}_parts[at](s, now, p)',
+            '    if to is None: to = at + 1',
+            '    rounds += to <= at',
+            f"    if rounds > {LOOP_LIMIT}: raise {error}('jumps back do not end')",
+            '    at = to')]
 
     def _release(self, routine: Routine) -> Iterator[str]:
         """Release the timers of a routine that is no longer executed, nested ones too."""
@@ -170,6 +190,16 @@ class _Program:
             yield f's[{index}] = {local}'
 
 
+def _parts(routine: Routine) -> list[list[Network]]:
+    """Cut a routine into functions: at labels, and where one would grow too long."""
+    parts: list[list[Network]] = []
+    for network in routine.networks:
+        if not parts or network.labels or len(parts[-1]) == _NETWORKS_PER_FUNCTION:
+            parts.append([])
+        parts[-1].append(network)
+    return parts
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Value:
     """An expression on the stack.
@@ -192,9 +222,14 @@ class _Value:
 
 @dataclass(slots=True, kw_only=True)
 class _Emitter:
-    """Emits one network."""
+    """Emits one network.
+
+    ``jumps`` gives the part of the routine that each label starts, ``end`` is behind the last one.
+    """
 
     program: _Program
+    jumps: Mapping[str, int]
+    end: int
     lines: list[str] = field(default_factory=list)
     stack: list[_Value] = field(default_factory=list)
     memory: list[_Value] = field(default_factory=list)
@@ -317,9 +352,12 @@ class _Emitter:
         self._save_readers(self._slots(instruction.target))
         self._write(instruction.target, value.text)
 
-    def _control(self, op: Op) -> None:
-        """Open and close Python's blocks; what is on the stack then is in local variables."""
-        condition = self.stack.pop().text if op in (Op.IF, Op.BRK, Op.RET) else ''
+    def _control(self, op: Op, part: int) -> None:
+        """Open and close Python's blocks; what is on the stack then is in local variables.
+
+        ``part`` is where JMP and RET go on.
+        """
+        condition = self.stack.pop().text if op in (Op.IF, Op.BRK, Op.RET, Op.JMP) else ''
         self._save_readers(None)
         if op is Op.IF:
             self.put(f'if {condition}:')
@@ -347,7 +385,7 @@ class _Emitter:
         elif op is Op.BRK:
             self.put(f'if {condition}: break')
         else:
-            self.put(f'if {condition}: return True')
+            self.put(f'if {condition}: return {part}')
 
     def _instruction(self, instruction: Instruction, is_last: bool) -> None:
         op = instruction.op
@@ -374,7 +412,7 @@ class _Emitter:
         elif op is Op.MOV:
             self._move(instruction)
         elif op in CONTROL:
-            self._control(op)
+            self._control(op, self.jumps.get(instruction.label, self.end))
         elif instruction.call is not None:
             self._call(op, instruction.call)
         else:

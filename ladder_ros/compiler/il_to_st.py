@@ -8,11 +8,11 @@ variable before something that it reads is written, and when it is used twice.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 import re
 
-from ladder_ros.compiler.il import Call, CONTROL, Instruction, Op
+from ladder_ros.compiler.il import Call, CONTROL, Instruction, Network, Op
 from ladder_ros.compiler.st_names import interface, literal, Names, SURE
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
 from ladder_ros.diagnostics import LadderError, Location
@@ -56,18 +56,61 @@ class StEmitter:
     stack: list[_Value] = field(default_factory=list)
     memory: list[_Value] = field(default_factory=list)
     indent: str = ''
+    at: str = ''
+    """In a POU with jumps: the variable that says which network comes next."""
+    jumps: Mapping[str, int] = field(default_factory=dict)
 
     def put(self, line: str) -> None:
         """Append a line."""
         self.lines.append(self.indent + line)
 
+    def dispatched(self, networks: Sequence[Network], at: str) -> None:
+        """Emit networks that jump: a loop over them, in which ``at`` says which one comes next."""
+        self.at = at
+        self.jumps = {label: number for number, network in enumerate(networks)
+                      for label in network.labels}
+        outer = self.indent
+        self.put(f'{at} := 0;')
+        self.put(f'WHILE {at} < {len(networks)} DO')
+        self.put(f'  CASE {at} OF')
+        for number, network in enumerate(networks):
+            self.indent = f'{outer}    '
+            names = ''.join(f' {label}:' for label in network.labels)
+            self.put(f'{number}: (* {network.rung}{names}{_remark(network.comment)} *)')
+            self.indent += '  '
+            self.put(f'{at} := {number + 1};')
+            self.network(network.code)
+        self.indent = outer
+        self.put('  END_CASE;')
+        self.put('END_WHILE;')
+
     def network(self, code: Sequence[Instruction]) -> None:
         """Emit the code of a rung."""
         self.stack, self.memory = [], []
+        outer = self.indent
+        needless = _passed_anyway(code)
         for number, instruction in enumerate(code):
+            if number in needless:
+                continue
             following = code[number + 1:number + 2]
             is_last = not following or following[0].op is Op.DRP
-            self._instruction(instruction, is_last)
+            if instruction.op is Op.JMP:
+                self._jump(instruction.label, is_last=not following)
+            else:
+                self._instruction(instruction, is_last)
+        while self.indent != outer:
+            self.indent = self.indent[:-2]
+            self.put('END_IF;')
+
+    def _jump(self, label: str, *, is_last: bool) -> None:
+        """Say which network comes next; what follows in this one is behind an ELSE."""
+        self.put(f'IF {self.stack.pop().text} THEN')
+        self.indent += '  '
+        self.put(f'{self.at} := {self.jumps[label]};')
+        if not is_last:
+            self.indent = self.indent[:-2]
+            self.put('ELSE')
+            self.indent += '  '
 
     # -- values -----------------------------------------------------------------------------
 
@@ -268,7 +311,7 @@ class StEmitter:
         arguments: list[str] = []
         before: list[tuple[Operand, str]] = []
         after: list[tuple[Operand, str]] = []
-        own, enable = interface(composite, rename=self.names.types.rename)
+        own, enable = interface(composite, self.names.types)
         if op is Op.EXE:
             arguments.append(f'{enable} := {power}')
         for pin, operand in call.inputs:
@@ -384,6 +427,35 @@ class StEmitter:
             if target not in kept:
                 self.write(target, fine.text if pin == 'ENO' else out)
         self.stack.append(fine if kind.power_output == 'ENO' else _Value(text=out))
+
+
+def _passed_anyway(code: Sequence[Instruction]) -> set[int]:
+    """Return the places where an input of a block is stored that the call behind passes to it."""
+    found: set[int] = set()
+    for end, instruction in enumerate(code):
+        call = instruction.call
+        if instruction.op is not Op.CAL or call is None:
+            continue
+        passed = {f'{call.instance}.{pin}': operand for pin, operand in call.inputs}
+        main = f'{call.instance}.{CATALOGUE[call.name].power_input}'
+        for place in range(end - 1, -1, -1):
+            before = code[place]
+            if (before.op is Op.MOV and passed.get(str(before.target)) == before.operand) or (
+                before.op is Op.ST and str(before.operand) == main and main not in passed
+            ):
+                found.add(place)
+            else:
+                break
+    return found
+
+
+def comment_line(network: Network) -> str:
+    """Return the comment above the statements of a network."""
+    return f'(* {network.rung}{_remark(network.comment)} *)'
+
+
+def _remark(text: str) -> str:
+    return f': {text.replace("*)", "* )").replace("(*", "( *")}' if text else ''
 
 
 _NOTHING: frozenset[str] = frozenset()

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
+
 from ladder_ros.compiler.il import (
     BARE,
     EDGES,
@@ -24,6 +26,7 @@ _NEEDS = {
 }
 _CHANGE = {
     Op.ANB: -1, Op.ORB: -1, Op.LRD: 1, Op.LPP: 1, Op.DRP: -1, Op.IF: -1, Op.BRK: -1, Op.RET: -1,
+    Op.JMP: -1,
 }
 _MEMORY_NEEDS = frozenset({Op.MRD, Op.MPP, Op.LRD, Op.LPP})
 _MEMORY_CHANGE = {Op.MPS: 1, Op.MPP: -1, Op.LPP: -1}
@@ -32,11 +35,14 @@ _MEMORY_CHANGE = {Op.MPS: 1, Op.MPP: -1, Op.LPP: -1}
 def verify_il(program: InstructionList) -> None:
     """Raise InternalError if the program breaks a rule of the machine."""
     for routine in program.routines:
+        labels = routine.labels()
+        if sum(len(network.labels) for network in routine.networks) != len(labels):
+            raise InternalError('il', 'a label names two networks', Location(pou=routine.name))
         for network in routine.networks:
-            _verify_network(routine.name, network)
+            _verify_network(routine.name, network, labels)
 
 
-def _verify_network(routine: str, network: Network) -> None:
+def _verify_network(routine: str, network: Network, labels: Container[str]) -> None:
     def broken(what: str, index: int) -> InternalError:
         return InternalError(
             'il', f'{what} at instruction {index}', Location(pou=routine, rung=network.rung))
@@ -57,6 +63,8 @@ def _verify_network(routine: str, network: Network) -> None:
         depth += 1 if op in LOADS else _CHANGE.get(op, 0)
         saved += _MEMORY_CHANGE.get(op, 0)
         fault = _control_fault(op, depth, opened)
+        if op is Op.JMP and (depth or saved or opened or instruction.label not in labels):
+            fault = f'JMP {instruction.label} leads nowhere or leaves something open'
         if fault:
             raise broken(fault, index)
         if op in STORES and isinstance(instruction.operand, Ref):
@@ -90,7 +98,7 @@ def _operand_fault(instruction: Instruction, stored: set[str]) -> str:
         return '' if instruction.call is not None else f'{op.value} calls nothing'
     if op is Op.MOV:
         return _move_fault(instruction)
-    if op in BARE:
+    if op in BARE or op is Op.JMP:
         return '' if operand is None else f'{op.value} has an operand'
     if operand is None or operand.type is not DataType.BOOL:
         return f'{op.value} has no BOOL operand'

@@ -12,7 +12,7 @@ from ladder_ros.compiler.symbols import pou_key, Symbols
 from ladder_ros.diagnostics import Diagnostic, Location, problem
 from ladder_ros.model.component import Block, Instance
 from ladder_ros.model.program import Composite, Pou, Program
-from ladder_ros.model.st import CallExpression, CallStatement, Field
+from ladder_ros.model.st import CallExpression, CallStatement
 
 
 def is_imported(pou: Pou) -> bool:
@@ -26,15 +26,7 @@ def lowering_of(program: Program, symbols: Symbols, pou: Pou) -> Lowering:
     return Lowering(
         scope=symbols.scopes[pou_key(pou)], expressions=program.expressions,
         enumerations=program.enumerations,
-        composites={c.name.casefold(): c for c in program.composites},
-        read_fields=frozenset(_read_fields(program)))
-
-
-def _read_fields(program: Program) -> Iterator[str]:
-    pous: list[Pou] = [*program.composites, *program.bodies]
-    for node in _nodes([program.expressions.values(), *(pou.statements for pou in pous)]):
-        if isinstance(node, Field):
-            yield node.name.casefold()
+        composites={c.name.casefold(): c for c in program.composites})
 
 
 def needed_pous(program: Program) -> tuple[Pou, ...]:

@@ -99,6 +99,10 @@ def _frame(
 def _place(network: Network, frame: _Pending) -> Network:
     """Return a network of a POU as one instance of the POU executes it."""
     def operand(old: Operand) -> Operand:
+        if isinstance(old, Element):
+            index = operand(old.index)
+            assert not isinstance(index, Element), 'a subscript is a value'
+            return replace(old, first=ref(old.first), index=index)
         if isinstance(old, Ref) and old.path.startswith('%T'):
             return old
         if isinstance(old, Ref) and belongs_to_body(old.path) and not frame.prefix:
@@ -134,7 +138,7 @@ def _place(network: Network, frame: _Pending) -> Network:
             op=old.op, operand=operand(old.operand) if old.operand is not None else None,
             memory=ref(old.memory) if old.memory is not None else None,
             target=target(old.target) if old.target is not None else None,
-            call=call(old.call) if old.call is not None else None,
+            call=call(old.call) if old.call is not None else None, label=old.label,
             component=start + old.component if old.component else '')
         for old in network.code))
 

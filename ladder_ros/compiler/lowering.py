@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ladder_ros.compiler.symbols import Ref, Scope
+from ladder_ros.compiler.symbols import author_path, Ref, Scope
 from ladder_ros.diagnostics import Diagnostic, Location, problem
 from ladder_ros.model.program import Composite
 from ladder_ros.model.st import Expression
@@ -32,8 +32,6 @@ class Lowering:
     composites: Mapping[str, Composite] = field(default_factory=dict)
     expressions: Mapping[str, Expression] = field(default_factory=dict)
     enumerations: Mapping[str, int] = field(default_factory=dict)
-    read_fields: frozenset[str] = frozenset()
-    """Casefolded names of parts that are read somewhere (``t1.IN``): blocks store such inputs."""
     found: list[Diagnostic] = field(default_factory=list)
     temporaries: int = FIRST_TEMPORARY
     calls: int = 0
@@ -50,4 +48,6 @@ class Lowering:
 
     def report(self, code: str, location: Location, label: str = '', **facts: object) -> None:
         """Note a problem; the arguments are those of ``diagnostics.problem``."""
+        if 'name' in facts:
+            facts['name'] = author_path(str(facts['name']))
         self.found.append(problem(code, location, label, **facts))  # type: ignore[arg-type]

@@ -73,8 +73,10 @@ class _Resolver:
                 self.report('L0201', composite.location, 'a block of the catalogue has this name',
                             name=composite.name)
         tasks = {task.name.casefold() for task in program.tasks}
-        if not program.bodies:
-            self.report('L0219', program.location)
+        if not program.bodies and not program.is_library:
+            self.report('L0219', program.location, help=(
+                'it holds function blocks and functions alone; add a program that uses them'
+                if self.imported else None))
         for body in program.bodies:
             if body.task and body.task.casefold() not in tasks:
                 self.report('L0215', body.location, name=body.task, hint=suggestion(
@@ -177,12 +179,15 @@ class _Resolver:
         blocks: dict[str, tuple[str, BlockKind]] = {}
         instances: dict[str, tuple[str, Composite]] = {}
         first: dict[str, tuple[Location, str]] = {}
+        untyped: dict[str, str] = {}
         for name, type_ in declared:
             kind, composite = CATALOGUE.get(type_.upper()), self.composites.get(type_.casefold())
             if composite is not None:
                 instances[name.casefold()] = name, composite
             elif kind is not None and not kind.is_function:
                 blocks[name.casefold()] = name, kind
+            else:
+                untyped[name.casefold()] = type_
         for rung in rungs:
             for component in rung.components:
                 if not isinstance(component, (Block, Instance)) or not component.instance:
@@ -204,7 +209,8 @@ class _Resolver:
                     blocks[key] = component.instance, kind
                 elif isinstance(component, Instance) and composite is not None:
                     instances[key] = component.instance, composite
-        return Scope(pou=pou, symbols=symbols, blocks=blocks, instances=instances)
+        return Scope(pou=pou, symbols=symbols, blocks=blocks, instances=instances,
+                     untyped=untyped)
 
     def _declared_as(self, component: Block | Instance, type_: str, known: str) -> None:
         if known.casefold() != type_.casefold():

@@ -176,7 +176,7 @@ class _Analyser:
                         remedy=remedy)
 
     def _nets(self) -> tuple[tuple[Net, ...], Callable[[Point], int]]:
-        left, right = ('rail', Rail.LEFT), ('rail', Rail.RIGHT)
+        left, right = Rail.LEFT.value, Rail.RIGHT.value  # an Enum's hash is slow
         points: dict[Point, None] = {}
         for _, is_left, _, point in self.ends:
             self._find(point)

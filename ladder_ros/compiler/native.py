@@ -149,6 +149,11 @@ class _Function:
         return f'define i8 @{self.symbol}({parameters(lanes)}) {{\n{self.chunk.body}\n}}'
 
 
+def _jumps(routine: Routine) -> bool:
+    """Say whether a routine has jumps: its networks are then not executed one after the other."""
+    return any(instruction.op is Op.JMP for instruction in routine.instructions())
+
+
 @dataclass(slots=True)
 class _Emitter:
     code: InstructionList
@@ -164,8 +169,11 @@ class _Emitter:
 
     def emit(self) -> NativeProgram:
         inner = [routine for routine in self.code.routines if not routine.is_body]
+        done: set[str] = set()
         for routine in reversed(inner):  # each comes after those that call it
-            self.inner_routine(routine)
+            if routine.name not in done:  # one that is called in several places is there as often
+                done.add(routine.name)
+                self.inner_routine(routine)
         parts: dict[str, tuple[Part, ...]] = {}
         rest: list[Routine] = []
         for routine in self.code.routines:
@@ -184,6 +192,8 @@ class _Emitter:
 
     def inner_routine(self, routine: Routine) -> None:
         try:
+            if _jumps(routine):
+                raise NotNativeError('a jump')
             functions = list(self.chunks(routine.networks, is_inner=True))
             release, activity = emit_release(
                 routine, self.memory, self.routines, self.lanes)
@@ -202,6 +212,10 @@ class _Emitter:
         faults = [self.fault(network) for network in routine.networks]
         self.why_not.update((fault, None) for fault in faults if fault)
         leaves = any(i.op is Op.RET for i in routine.instructions())
+        if _jumps(routine):
+            self.why_not['a jump'] = None
+            yield Part(networks=routine.networks)
+            return
         if any(faults) and leaves:  # what Python runs cannot tell that it was left
             yield Part(networks=routine.networks)
             return

@@ -69,6 +69,7 @@ class Stages:
 class Compilation:
     """The result: what runs, and the warnings and hints about the program.
 
+    ``code`` is what the executable was made from; None if that was done in another process.
     ``first`` makes the form that is ready first, scan functions on a list, of a variant;
     ``native`` emits native code, if the backend does, and what Python runs of the plain program.
     """
@@ -77,6 +78,7 @@ class Compilation:
     diagnostics: tuple[Diagnostic, ...]
     first: Callable[[Variant], Mapping[str, Scan]]
     native: Callable[[], tuple[NativeProgram, Mapping[str, Scan]]] | None = None
+    code: InstructionList | None = None
 
 
 def compile_program(
@@ -95,6 +97,8 @@ def compile_program(
     stages = analyse(program)
     if has_errors(stages.diagnostics):
         raise LadderError(stages.diagnostics)
+    if not program.bodies:
+        raise LadderError.of('L0219', program.location)
     forests = build_trees(program, stages)
     code = link_code(program, {**lower(forests), **stages.texts})
     verify_il(code)
@@ -120,7 +124,7 @@ def compile_program(
         routines=list_routines(code, index),
         lanes=None if form is None else lambda: _lanes(code, index, slots))
     return Compilation(
-        executable=executable,
+        executable=executable, code=code,
         diagnostics=missing + stages.diagnostics + check_coils(code, components),
         first=build if form is None else lambda variant: build(variant, _python),
         native=None if form is None else lambda: _emit_native(
@@ -144,7 +148,12 @@ def completed(program: Program, *, stubs: bool = False) -> Program:
 
 
 def check_program(program: Program, *, stubs: bool = False) -> tuple[Diagnostic, ...]:
-    """Return everything that is to be said about a program: errors, warnings, hints."""
+    """Return everything that is to be said about a program: errors, warnings, hints.
+
+    A library need not have a body.
+    """
+    if program.is_library:
+        return analyse(program).diagnostics
     try:
         return compile_program(program, stubs=stubs).diagnostics
     except LadderError as error:

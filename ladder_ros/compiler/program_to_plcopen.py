@@ -21,9 +21,20 @@ from ladder_ros.compiler.imported import is_imported, needed_pous
 from ladder_ros.compiler.program_to_st import RELEASED, StWriter
 from ladder_ros.compiler.st_names import Identifiers, interface, Names
 from ladder_ros.compiler.symbols import is_address, pou_key
+from ladder_ros.compiler.wires_in_rows import in_rows
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.catalogue import CATALOGUE
-from ladder_ros.model.component import Block, CoilKind, ContactKind, Instance, Placement
+from ladder_ros.model.component import (
+    Block,
+    CoilKind,
+    Component,
+    Contact,
+    ContactKind,
+    Instance,
+    InVariable,
+    OutVariable,
+    Placement,
+)
 from ladder_ros.model.program import (
     Body,
     CallKind,
@@ -38,6 +49,7 @@ from ladder_ros.model.program import (
     Variable,
     VariableClass,
 )
+from ladder_ros.model.st_printing import print_expression
 from ladder_ros.model.types import DataType, parse_literal
 from ladder_ros.source.model_to_plcopen import (
     Declaration,
@@ -48,6 +60,8 @@ from ladder_ros.source.model_to_plcopen import (
 )
 
 _DEFAULT_INTERVAL = 10_000_000
+_UNUSED = (Declaration(name='unused', type=DataType.BOOL, section='localVars'),)
+"""For a POU without variables, which some editors refuse."""
 _SECTIONS = {Direction.INPUT: 'inputVars', Direction.OUTPUT: 'outputVars',
              Direction.INOUT: 'inOutVars'}
 
@@ -58,7 +72,7 @@ def write_plcopen(program: Program) -> str:
     Raises LadderError with the program's errors, or L0511 for what the format cannot say.
     """
     writer = StWriter.of(program, rename=program.dialect == 'native')
-    return write_project(_Exporter(writer=writer, program=program).project())
+    return write_project(_Exporter(writer=writer, program=writer.program).project())
 
 
 @dataclass(slots=True, kw_only=True)
@@ -101,7 +115,7 @@ class _Exporter:
     def prepare(self, composite: Composite) -> None:
         """Decide how a composite is called."""
         key = composite.name.casefold()
-        own, enable = interface(composite, rename=self.rename)
+        own, enable = interface(composite, self.writer.types)
         is_text = key in self.timed
         self.called[key] = Called(pin=enable if is_text else 'EN', references=frozenset(
             p.name.casefold() for p in composite.parameters if self.is_reference(composite, p)))
@@ -137,7 +151,7 @@ class _Exporter:
 
     def composite(self, composite: Composite) -> PouText:
         key = composite.name.casefold()
-        own, enable = interface(composite, rename=self.rename)
+        own, enable = interface(composite, self.writer.types)
         is_text = key in self.timed
         is_function = composite.call is CallKind.FUNCTION
         declarations = []
@@ -180,7 +194,7 @@ class _Exporter:
         return PouText(
             name=self.writer.types.own(composite.name),
             kind='function' if is_function else 'functionBlock',
-            declarations=tuple(declarations), body=body, result=result,
+            declarations=tuple(declarations) or _UNUSED, body=body, result=result,
             comment=composite.specification)
 
     # -- bodies -----------------------------------------------------------------------------
@@ -200,11 +214,15 @@ class _Exporter:
         if len(pou.rungs) != 1 or pou.unsupported:
             raise LadderError.of('L0511', pou.location, form='plcopen',
                                  what=f'the body of {pou.name}')
-        for component in pou.rungs[0].components:
-            if isinstance(component, Block) and component.statements:
-                raise LadderError.of('L0511', component.location, form='plcopen',
-                                     what='an EXECUTE box')
-        return pou.rungs[0]
+        rung = in_rows(pou.rungs[0])
+        return replace(rung, components=tuple(map(self.spelled, rung.components)))
+
+    def spelled(self, component: Component) -> Component:
+        """Write an expression with the names that are declared; its file may have had others."""
+        if not isinstance(component, (Contact, InVariable, OutVariable)):
+            return component
+        found = self.program.expressions.get(component.operand)
+        return component if found is None else replace(component, operand=print_expression(found))
 
     def blocks(
         self, declared: Iterable[tuple[str, str]], rungs: Sequence[Rung],
@@ -258,21 +276,22 @@ class _Exporter:
             shared |= {v.name.casefold() for v in self.program.variables}
             shared |= {name.casefold() for name, _ in self.program.blocks}
         shared = {name for name in shared if not is_address(name)}
-        taken = Identifiers(frozenset(
-            {pou.name.casefold() for pou in self.pous}
-            | {v.name.casefold() for v in self.program.variables}))
         starts = [self.startup(body) for body in once]
         if once and (not order or is_imported(order[0][0])):
             raise LadderError.of('L0511', once[0].location, form='plcopen',
                                  what=f'the body {once[0].name}, which runs once')
         runs = []
+        labels: dict[str, str] = {}
         for number, bodies in enumerate(order):
             task = tasks.get(bodies[0].task.casefold())
-            name = taken.fresh(bodies[0].name)
+            name = self.writer.types.fresh(bodies[0].name, 'program')
             self.pous.append(self.program_pou(
                 name, bodies, shared, starts if number == 0 else ()))
+            label = task.name if task else 'task0'
+            if label not in labels:
+                labels[label] = self.writer.types.fresh(label, 'task') if self.rename else label
             runs.append(RunText(
-                name=f'instance{number}', pou=name, task=task.name if task else 'task0',
+                name=f'instance{number}', pou=name, task=labels[label],
                 interval=task.interval if task else _DEFAULT_INTERVAL,
                 priority=task.priority if task else 0))
         return runs, shared
@@ -285,7 +304,7 @@ class _Exporter:
                     raise LadderError.of(
                         'L0511', component.location, form='plcopen',
                         what=f'{component.instance} in {body.name}, which runs once')
-        own = Identifiers(frozenset({body.name.casefold()}), rename=self.rename)
+        own = Identifiers(self.writer.types.names, rename=self.rename)
         for variable in self.program.variables:
             own.own(variable.name)
         names = Names(
@@ -325,7 +344,7 @@ class _Exporter:
     def program_pou(
         self, name: str, bodies: Sequence[Body], shared: set[str], starts: Sequence[PouText],
     ) -> PouText:
-        own = Identifiers(frozenset({name.casefold()}), rename=self.rename)
+        own = Identifiers(self.writer.types.names, rename=self.rename)
         first = bodies[0]
         for variable in self.program.variables:
             own.own(variable.name)
@@ -360,8 +379,8 @@ class _Exporter:
             names.declare_instances()
             body = self.drawing(bodies, names, aliased=False, starts=starts)
             declarations += self.hidden(names, external_blocks)
-        return PouText(name=name, kind='program', declarations=tuple(declarations), body=body,
-                       comment=self.program.specification)
+        return PouText(name=name, kind='program', declarations=tuple(declarations) or _UNUSED,
+                       body=body, comment=self.program.specification)
 
     # -- variables --------------------------------------------------------------------------
 

@@ -13,11 +13,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.il import Network, Op
-from ladder_ros.compiler.il_to_st import StEmitter
+from ladder_ros.compiler.il_to_st import comment_line, StEmitter
 from ladder_ros.compiler.imported import needed_pous
-from ladder_ros.compiler.pipeline import analyse, build_trees, lower, Stages
-from ladder_ros.compiler.st_names import Identifiers, interface, literal, Names
-from ladder_ros.compiler.symbols import is_address, Operand, pou_key, Ref
+from ladder_ros.compiler.pipeline import analyse, build_trees, completed, lower, Stages
+from ladder_ros.compiler.st_names import Identifiers, interface, literal, Names, user_names
+from ladder_ros.compiler.symbols import Operand, pou_key, Ref
 from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.derived import (
@@ -50,7 +50,7 @@ def write_st(program: Program) -> str:
 
     Raises LadderError with the program's errors, or L0511 for what the text cannot say.
     """
-    return '\n'.join(StWriter.of(program).text()) + '\n'
+    return '\n'.join(StWriter.of(program, named=True).text()) + '\n'
 
 
 @dataclass(slots=True, kw_only=True)
@@ -68,19 +68,26 @@ class StWriter:
     type_lines: list[str] = field(default_factory=list)
 
     @classmethod
-    def of(cls, program: Program, *, rename: bool = True) -> StWriter:
+    def of(
+        cls, program: Program, *, rename: bool = True, named: bool = False,
+    ) -> StWriter:
         """Compile a program as far as its instructions.  Raises LadderError.
 
-        ``rename`` gives names that are keywords elsewhere another spelling.
+        ``rename`` gives names that are keywords elsewhere another spelling, ``named`` gives
+        addresses that are used directly a name.
         """
+        program = completed(program)
         stages = analyse(program)
         if has_errors(stages.diagnostics):
             raise LadderError(stages.diagnostics)
         code = {**lower(build_trees(program, stages)), **stages.texts}
         composites = {c.name.casefold(): c for c in program.composites}
+        types = Identifiers(user_names(program), rename=rename, named=named)
+        for composite in program.composites:
+            types.own(composite.name, 'block')
         return cls(program=program, stages=stages, code=code, composites=composites,
-                   aliased=aliased_composites(program, code),
-                   types=Identifiers(rename=rename), globals=Identifiers(rename=rename))
+                   aliased=aliased_composites(program, code), types=types,
+                   globals=Identifiers(types.names, rename=rename, named=named))
 
     # -- the file ---------------------------------------------------------------------------
 
@@ -102,35 +109,34 @@ class StWriter:
         names, lines = self.composite_body(composite)
         yield from _comment(composite.specification)
         yield f'FUNCTION_BLOCK {self.types.own(composite.name)}'
-        sections: dict[str, list[str]] = {}
+        sections = _Sections()
         is_enabled = composite.call is CallKind.ENABLED
         emitter = self.emitter(names, aliased=False)
         if is_enabled:
-            _, enable = interface(composite, rename=self.types.rename)
-            sections['VAR_INPUT'] = [f'{enable} : BOOL;']
+            _, enable = interface(composite, self.types)
+            sections.add('VAR_INPUT', f'{enable} : BOOL;')
         for parameter in composite.parameters:
             reference = is_enabled and emitter.by_reference(composite, parameter.name)
             section = 'VAR_IN_OUT' if reference else {
                 Direction.INPUT: 'VAR_INPUT', Direction.OUTPUT: 'VAR_OUTPUT',
                 Direction.INOUT: 'VAR_IN_OUT'}[parameter.direction]
             initial = None if section == 'VAR_IN_OUT' else parameter.default
-            sections.setdefault(section, []).append(
-                self.declaration(names, parameter, initial))
+            sections.add(section, self.declaration(names, parameter, initial))
         for variable in composite.variables:
-            sections.setdefault(_section(variable, plain=True), []).append(
-                self.declaration(names, variable, variable.initial))
+            sections.add(_section(variable, plain=True),
+                         self.declaration(names, variable, variable.initial))
         for name in composite.externals:
-            if not is_address(name):
-                sections.setdefault('VAR_EXTERNAL', []).append(
-                    f'{self.globals.own(name)} : {self.global_type(name)};')
-        sections.setdefault('VAR', []).extend(self.hidden(names, composite.externals))
-        yield from _sections(sections)
+            sections.add('VAR_EXTERNAL',
+                         f'{self.globals.own(name)} : {self.global_type(name)};')
+        for line in self.hidden(names, composite.externals):
+            sections.add('VAR', line)
+        yield from sections.lines()
         yield from (f'  {line}' for line in lines)
         yield 'END_FUNCTION_BLOCK'
 
     def composite_body(self, composite: Composite) -> tuple[Names, list[str]]:
         """Return the names and statements of a composite's FUNCTION_BLOCK."""
-        own, enable = interface(composite, rename=self.types.rename)
+        own, enable = interface(composite, self.types)
         names = Names(scope=self.stages.symbols.scopes[pou_key(composite)], identifiers=own,
                       types=self.types, scopes=self.stages.symbols.scopes,
                       definitions=self.composites)
@@ -144,7 +150,7 @@ class StWriter:
         self.emit(emitter, networks)
         if composite.call is CallKind.ENABLED:
             return names, list(self.enabled(names, emitter, networks, enable))
-        return names, emitter.lines or [';']
+        return names, emitter.lines or nothing(names)
 
     def enabled(
         self, names: Names, emitter: StEmitter, networks: Sequence[Network], enable: str,
@@ -184,11 +190,18 @@ class StWriter:
                          by_name=self.aliased)
 
     def emit(self, emitter: StEmitter, networks: Sequence[Network]) -> None:
-        """Emit networks one below the other."""
+        """Emit networks one below the other; parts of what they call are named from the start."""
+        for network in networks:
+            for instruction in network.code:
+                if instruction.op is Op.RUN and instruction.call is not None:
+                    composite = self.composites[instruction.call.name.casefold()]
+                    emitter.names.instance(instruction.call.instance, composite.name, composite)
+        if any(instruction.op is Op.JMP for network in networks for instruction in network.code):
+            emitter.dispatched(networks, emitter.names.temporary(DataType.INT))
+            return
         for network in networks:
             if len(networks) > 1 or network.comment:
-                text = network.comment.replace('*)', '* )').replace('(*', '( *')
-                emitter.put(f'(* {network.rung}{": " if text else ""}{text} *)')
+                emitter.put(comment_line(network))
             emitter.network(network.code)
 
     # -- programs ---------------------------------------------------------------------------
@@ -208,15 +221,11 @@ class StWriter:
         if len(groups) > 1:
             used = {v.name.casefold() for v in self.program.variables}
             used |= {name.casefold() for name, _ in self.program.blocks}
-        used = {name for name in used if not is_address(name)}
         instances: list[tuple[str, str]] = []
-        pous = Identifiers(frozenset(
-            self.types.own(c.name).casefold() for c in self.program.composites))
         for number, task in enumerate(order):
             bodies = (once if number == 0 else []) + groups[task]
             wanted = groups[task][0].name if groups[task] else self.program.name
-            clash = {v.name.casefold() for v in self.program.variables}
-            name = pous.fresh(wanted if wanted.casefold() not in clash else f'{wanted}_program')
+            name = self.types.fresh(wanted, 'program')
             instances.append((name, task))
             yield ''
             yield from self.program_pou(name, bodies, used, len(order) > 1)
@@ -228,7 +237,7 @@ class StWriter:
     ) -> Iterator[str]:
         """Yield one PROGRAM."""
         scope = self.stages.symbols.scopes[pou_key((*bodies, *self.program.bodies)[0])]
-        own = Identifiers(frozenset({name.casefold()}))
+        own = Identifiers(self.types.names, named=True)
         for variable in self.program.variables:
             own.own(variable.name)
         names = Names(scope=scope, identifiers=own, types=self.types,
@@ -248,28 +257,28 @@ class StWriter:
             if done:
                 emitter.indent = ''
                 emitter.put('END_IF;')
-        sections: dict[str, list[str]] = {}
+        lines = emitter.lines or nothing(names)
+        sections = _Sections()
         for variable in self.program.variables:
-            if is_address(variable.name):
-                continue
             line = self.declaration(names, variable, variable.initial)
-            section = _section(variable)
+            section, is_located = _section(variable), bool(variable.address)
             if variable.name.casefold() in shared:
-                section, line = _external(variable), (
+                section, is_located, line = _external(variable), False, (
                     f'{own.own(variable.name)} : {self.type_text(variable.type)};')
-            sections.setdefault(section, []).append(line)
+            sections.add(section, line, is_located=is_located)
         externals = [n for n, _ in self.program.blocks if n.casefold() in shared]
         if several:
             externals = [
                 n for n, _ in (*scope.blocks.values(), *scope.instances.values())]
             externals = [n for n in externals if self.used_by_several(n)]
         for block in externals:
-            sections.setdefault('VAR_EXTERNAL', []).append(
-                f'{self.globals.own(block)} : {self.global_type(block)};')
-        sections.setdefault('VAR', []).extend(self.hidden(names, externals))
+            sections.add('VAR_EXTERNAL',
+                         f'{self.globals.own(block)} : {self.global_type(block)};')
+        for line in self.hidden(names, externals):
+            sections.add('VAR', line)
         yield f'PROGRAM {name}'
-        yield from _sections(sections)
-        yield from (f'  {line}' for line in emitter.lines or [';'])
+        yield from sections.lines()
+        yield from (f'  {line}' for line in lines)
         yield 'END_PROGRAM'
 
     def used_by_several(self, name: str) -> bool:
@@ -280,7 +289,7 @@ class StWriter:
         self, instances: Sequence[tuple[str, str]], shared: set[str],
     ) -> Iterator[str]:
         """Yield the configuration: shared variables, tasks, program instances."""
-        sections: dict[str, list[str]] = {}
+        sections = _Sections()
         names = Names(scope=self.stages.symbols.scopes[pou_key(self.program.bodies[0])],
                       identifiers=self.globals, types=self.types,
                       scopes=self.stages.symbols.scopes,
@@ -290,14 +299,14 @@ class StWriter:
                 section = _external(variable).replace('EXTERNAL', 'GLOBAL')
                 if variable.retain and not variable.constant:
                     section += ' RETAIN'
-                sections.setdefault(section, []).append(
-                    self.declaration(names, variable, variable.initial))
+                sections.add(section, self.declaration(names, variable, variable.initial),
+                             is_located=bool(variable.address))
         for name, type_ in self.program.blocks:
             if name.casefold() in shared:
-                sections.setdefault('VAR_GLOBAL', []).append(
-                    f'{self.globals.own(name)} : {self.block_type(type_)};')
+                sections.add('VAR_GLOBAL',
+                             f'{self.globals.own(name)} : {self.block_type(type_)};')
         yield 'CONFIGURATION config'
-        yield from _sections(sections)
+        yield from sections.lines()
         yield '  RESOURCE resource1 ON PLC'
         tasks = {task.name.casefold(): task for task in self.program.tasks}
         own = Identifiers(frozenset(name.casefold() for name, _ in instances))
@@ -358,7 +367,7 @@ class StWriter:
         key = repr(type_)
         if key not in self.structures:
             fields = [(f.name, self.type_text(f.type), f) for f in type_.fields]
-            name = self.types.fresh(type_.name or 'structure')
+            name = self.types.fresh(type_.name or 'structure', 'type')
             self.structures[key] = name
             self.type_lines.append(f'  {name} : STRUCT')
             for own, text, given in fields:
@@ -384,6 +393,27 @@ class StWriter:
         return literal(value, leaf)
 
 
+class _Sections:
+    """The VAR sections of a POU; located variables have some of their own (IEC, table 16)."""
+
+    def __init__(self) -> None:
+        self._lines: dict[tuple[str, bool], list[str]] = {}
+
+    def add(self, section: str, line: str, *, is_located: bool = False) -> None:
+        """Add a declaration to a section of that beginning."""
+        self._lines.setdefault((section, is_located), []).append(line)
+
+    def lines(self) -> Iterator[str]:
+        """Yield all sections."""
+        for (section, _), lines in self._lines.items():
+            yield from [f'  {section}', *(f'    {line}' for line in lines), '  END_VAR']
+
+
+def nothing(names: Names) -> list[str]:
+    """Return a body that does nothing; to some compilers no statement is no body."""
+    return [f'{names.temporary(DataType.BOOL)} := FALSE;']
+
+
 def _parts(type_: Type, initial: Initial) -> Iterator[tuple[str, tuple[DataType, Value]]]:
     for suffix, leaf, value in leaves(type_, initial):
         yield suffix, (leaf, value)
@@ -403,10 +433,6 @@ def _external(variable: Variable) -> str:
     return 'VAR_EXTERNAL CONSTANT' if variable.constant else 'VAR_EXTERNAL'
 
 
-def _sections(sections: Mapping[str, Sequence[str]]) -> Iterator[str]:
-    for section, lines in sections.items():
-        if lines:
-            yield from [f'  {section}', *(f'    {line}' for line in lines), '  END_VAR']
 
 
 def _comment(text: str) -> Iterator[str]:

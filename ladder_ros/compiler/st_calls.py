@@ -280,12 +280,23 @@ def _parameter(
             return None
     is_output = argument.target is not None
     if found is None or is_output is not (found.direction is Direction.OUTPUT):
-        emitter.lowering.report(
-            'L0209', argument.location, owner=composite.name,
-            pin=(argument.name or f'{place + 1}') + (' =>' if is_output else ''),
-            known=', '.join(p.name for p in composite.parameters) or 'none')
+        pin = argument.name or f'{place + 1}'
+        report_no_pin(emitter.lowering, composite, f'{pin} =>' if is_output else pin,
+                      argument.location)
         raise Wrong
     return found
+
+
+def report_no_pin(
+    lowering: Lowering, composite: Composite, pin: str, location: Location,
+) -> None:
+    """Report a pin that a user's POU does not have, or one that is a function block."""
+    type_ = next((t for name, t in composite.blocks if name.casefold() == pin.casefold()), '')
+    if type_:
+        lowering.report('L0227', location, owner=composite.name, pin=pin, type=type_)
+        return
+    lowering.report('L0209', location, owner=composite.name, pin=pin,
+                    known=', '.join(p.name for p in composite.parameters) or 'none')
 
 
 def _bind_inout(

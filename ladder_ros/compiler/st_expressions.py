@@ -49,7 +49,13 @@ from ladder_ros.model.st import (
     UnaryExpression,
     VariableExpression,
 )
-from ladder_ros.model.types import BIT_STRINGS, DataType, default_value, INTEGER_RANGE
+from ladder_ros.model.types import (
+    BIT_STRINGS,
+    DataType,
+    default_value,
+    INTEGER_RANGE,
+    parse_literal,
+)
 
 Code = tuple[Instruction, ...]
 
@@ -200,8 +206,7 @@ class ExpressionEmitter:
             literal = value.literal(expected or value.natural())
             if literal is None:
                 self.lowering.report(
-                    'L0205', location, text, type=expected,
-                    reason=f'{text} is no value of type {expected}')
+                    'L0205', location, text, type=expected, reason=_why_not(text, expected))
                 raise Wrong
             return literal
         if expected is None or value.type is expected:
@@ -563,3 +568,12 @@ def _with_durations(bound: Bound) -> Bound:
     return replace(bound, kind=kind, inputs=tuple(
         (name, value, expression)
         for name, (_, value, expression) in zip(names, values, strict=True)))
+
+
+def _why_not(text: str, type_: DataType | None) -> str:
+    """Return why a number is no value of a type, with what such a value looks like."""
+    try:
+        parse_literal(text, type_ or DataType.LINT)
+    except ValueError as error:
+        return str(error)
+    return f'{text} is no value of type {type_}'

@@ -13,8 +13,9 @@ import re
 
 from ladder_ros.compiler.symbols import is_address, pou_key, Ref, Scope
 from ladder_ros.model.catalogue import CATALOGUE
+from ladder_ros.model.component import Block, Instance
 from ladder_ros.model.derived import leaves
-from ladder_ros.model.program import CallKind, Composite
+from ladder_ros.model.program import CallKind, Composite, Pou, Program
 from ladder_ros.model.types import DataType, default_value, format_literal, format_time, Value
 
 _WORDS = """
@@ -43,33 +44,56 @@ SURE = frozenset({
 class Identifiers:
     """Gives every thing of one name space an identifier of its own."""
 
-    def __init__(self, taken: frozenset[str] = frozenset(), *, rename: bool = True) -> None:
-        """Begin with names that are taken; without ``rename`` the user's names are kept."""
+    def __init__(
+        self, taken: frozenset[str] = frozenset(), *, rename: bool = True, named: bool = False,
+    ) -> None:
+        """Begin with names that are taken.
+
+        Without ``rename`` the user's names are kept; ``named`` gives addresses a name.
+        """
         self.rename = rename
+        self.named = named
         self._taken = set(taken)
+        self._given: set[str] = set()
         self._known: dict[str, str] = {}
 
-    def own(self, name: str) -> str:
+    @property
+    def names(self) -> frozenset[str]:
+        """All identifiers that were given, casefolded."""
+        return frozenset(self._given)
+
+    def own(self, name: str, suffix: str = '') -> str:
         """Return the identifier of a name of the user: the name itself where that can be."""
         key = name.casefold()
         if key not in self._known:
-            self._known[key] = self.fresh(name) if self.rename else name
-            self._taken.add(self._known[key].casefold())
+            self._known[key] = self._of(name, suffix)
+            self._add(self._known[key])
         return self._known[key]
 
-    def fresh(self, wanted: str) -> str:
-        """Return an identifier that nothing has had yet."""
+    def fresh(self, wanted: str, suffix: str = '') -> str:
+        """Return an identifier that nothing has had yet, with the suffix if another has it."""
         stem = re.sub('[^A-Za-z0-9]+', '_', wanted).strip('_') or 'x'
         if stem[0].isdigit():
             stem = f'n{stem}'
         elif wanted.startswith('_'):
             stem = f'_{stem}'
         name, count = stem, 1
+        if suffix and self._is_bad(name):
+            name = stem = f'{stem}_{suffix}'
         while self._is_bad(name):
             count += 1
             name = f'{stem}_{count}'
-        self._taken.add(name.casefold())
+        self._add(name)
         return name
+
+    def _of(self, name: str, suffix: str) -> str:
+        if is_address(name) and not self.named:
+            return name.upper()
+        return self.fresh(name, suffix) if self.rename else name
+
+    def _add(self, name: str) -> None:
+        self._taken.add(name.casefold())
+        self._given.add(name.casefold())
 
     def _is_bad(self, name: str) -> bool:
         return (name.casefold() in self._taken or name.upper() in KEYWORDS
@@ -149,7 +173,7 @@ class Names:
         """Return a variable, or a part of one, as Structured Text writes it."""
         path = ref.path
         if is_address(path):
-            return path.upper()
+            return self.identifiers.own(path)
         inside = self.owner(path)
         if inside is not None:
             name, composite, rest = inside
@@ -157,7 +181,7 @@ class Names:
                 return f'{name}.{rest}'
             head = re.match(r'[^.\[]+', rest)
             assert head is not None
-            own, _ = interface(composite, rename=self.types.rename)
+            own, _ = interface(composite, self.types)
             return f'{name}.{own.own(head[0])}{rest[head.end():]}'
         head = re.match(r'[^.\[]+', path)
         assert head is not None
@@ -180,15 +204,30 @@ class Names:
         return self.identifiers.own(path) if simple else self.identifiers.fresh(path)
 
 
-def interface(composite: Composite, *, rename: bool = True) -> tuple[Identifiers, str]:
+def interface(composite: Composite, types: Identifiers) -> tuple[Identifiers, str]:
     """Return the identifiers of a composite's own names, and that of its enabling input."""
-    own = Identifiers(frozenset({composite.name.casefold()}), rename=rename)
+    own = Identifiers(types.names, rename=types.rename, named=types.named)
     for name in composite.externals:
-        if not is_address(name):
-            own.own(name)
+        own.own(name)
     for name in (*(p.name for p in composite.parameters), *(v.name for v in composite.variables)):
         own.own(name)
     return own, own.fresh('ENABLE') if composite.call is CallKind.ENABLED else ''
+
+
+def user_names(program: Program) -> frozenset[str]:
+    """Return all names in the program's POUs, casefolded: no type may have one of them.
+
+    Some compilers take a word that names a type somewhere as that type everywhere.
+    """
+    found = [v.name for v in program.variables] + [name for name, _ in program.blocks]
+    for composite in program.composites:
+        found += [p.name for p in composite.parameters] + [v.name for v in composite.variables]
+        found += [name for name, _ in composite.blocks]
+    pous: list[Pou] = [*program.bodies, *program.composites]
+    for pou in pous:
+        found += [component.instance for rung in pou.rungs for component in rung.components
+                  if isinstance(component, (Block, Instance))]
+    return frozenset(name.casefold() for name in found)
 
 
 def literal(value: Value, type_: DataType) -> str:

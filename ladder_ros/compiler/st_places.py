@@ -124,6 +124,12 @@ def report_unknown(variable: VariableExpression, lowering: Lowering) -> Wrong:
     scope = lowering.scope
     known = [symbol.name for symbol in scope.symbols.values()]
     known += [name for name, _ in (*scope.blocks.values(), *scope.instances.values())]
+    type_ = scope.untyped.get(variable.name.casefold())
+    if type_ is not None:
+        lowering.report('L0203', variable.location, f'it is declared with the type {type_}, which '
+                        'is not in the file', name=variable.name,
+                        help='declare the type, or give the variable another one')
+        return Wrong()
     lowering.report('L0203', variable.location, name=variable.name,
                     hint=suggestion(variable.name, known))
     return Wrong()

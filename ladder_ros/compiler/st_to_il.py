@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from typing_extensions import assert_never
 
@@ -32,6 +32,7 @@ from ladder_ros.model.st import (
     CallExpression,
     CallStatement,
     CaseStatement,
+    ContinueStatement,
     ExitStatement,
     Expression,
     ForStatement,
@@ -67,7 +68,8 @@ def lower_statements(
 class _Statements:
     emitter: ExpressionEmitter
     calls: Counter[str]
-    loops: int = 0
+    loops: list[Ref | None] = field(default_factory=list)
+    """The loops that are open; of a body with CONTINUE the flag that says to EXIT."""
 
     @property
     def lowering(self) -> Lowering:
@@ -101,6 +103,9 @@ class _Statements:
                 self._repeat(statement)
             case ExitStatement():
                 self._exit(statement)
+            case ContinueStatement():
+                self._require_loop(statement.location, 'CONTINUE')
+                self._leave()
             case ReturnStatement():
                 self.emitter.emit(Op.LD, TRUE)
                 self.emitter.emit(Op.RET)
@@ -351,40 +356,69 @@ class _Statements:
     # -- loops ------------------------------------------------------------------------------
 
     def _open_loop(self, location: Location) -> None:
-        if self.loops == MAX_LOOPS:
+        if len(self.loops) == MAX_LOOPS:
             self.lowering.report('L0121', location, what=f'more than {MAX_LOOPS} nested loops',
                                  limit=f'{MAX_LOOPS} loops may nest')
             raise Wrong
-        self.loops += 1
+        self.loops.append(None)
         self.emitter.emit(Op.LOOP)
 
     def _close_loop(self) -> None:
         self.emitter.emit(Op.POOL)
-        self.loops -= 1
+        self.loops.pop()
+
+    def _body(self, statements: Sequence[Statement], location: Location) -> None:
+        """Emit the body of a loop.
+
+        One with CONTINUE is a loop of one round, which CONTINUE leaves; EXIT says by a flag that
+        the outer one is to be left too.
+        """
+        if not any(_continues(statement) for statement in statements):
+            self.all(statements)
+            return
+        emitter = self.emitter
+        is_over = self.lowering.temporary(DataType.BOOL)
+        emitter.move(FALSE, is_over)
+        self._open_loop(location)
+        self.loops[-1] = is_over
+        self.all(statements)
+        self._leave()
+        self._close_loop()
+        emitter.emit(Op.LD, is_over)
+        emitter.emit(Op.BRK)
+
+    def _leave(self) -> None:
+        self.emitter.emit(Op.LD, TRUE)
+        self.emitter.emit(Op.BRK)
 
     def _while(self, statement: WhileStatement) -> None:
         self._open_loop(statement.location)
         self._guarded(self._test(statement.condition))
         self.emitter.emit(Op.NOT)
         self.emitter.emit(Op.BRK)
-        self.all(statement.body)
+        self._body(statement.body, statement.location)
         self._close_loop()
 
     def _repeat(self, statement: RepeatStatement) -> None:
         self._open_loop(statement.location)
-        self.all(statement.body)
+        self._body(statement.body, statement.location)
         self._guarded(self._test(statement.condition))
         self.emitter.emit(Op.BRK)
         self._close_loop()
 
     def _exit(self, statement: ExitStatement) -> None:
+        self._require_loop(statement.location, 'EXIT')
+        is_over = self.loops[-1]
+        if is_over is not None:
+            self.emitter.move(TRUE, is_over)
+        self._leave()
+
+    def _require_loop(self, location: Location, name: str) -> None:
         if not self.loops:
             self.lowering.report(
-                'L0225', statement.location, name='EXIT', where='outside a loop',
+                'L0225', location, name=name, where='outside a loop',
                 reason='remove it, or put it into a loop')
             raise Wrong
-        self.emitter.emit(Op.LD, TRUE)
-        self.emitter.emit(Op.BRK)
 
     def _for(self, statement: ForStatement) -> None:
         """Count from first to last; both, and the step, are found once.
@@ -413,7 +447,7 @@ class _Statements:
         self._open_loop(statement.location)
         self._past(variable, last, step)
         emitter.emit(Op.BRK)
-        self.all(statement.body)
+        self._body(statement.body, statement.location)
         following = emitter.function('ADD', type_, (('IN1', variable), ('IN2', step)))
         if not _surely_fits(last, step):
             self._past(variable, following, step)
@@ -445,6 +479,18 @@ class _Statements:
         emitter.comparison('LT', step.type, both)
         emitter.emit(Op.ANB)
         emitter.emit(Op.ORB)
+
+
+def _continues(statement: Statement) -> bool:
+    """Say whether a statement may go on with the next round of the loop that it stands in."""
+    match statement:
+        case ContinueStatement():
+            return True
+        case IfStatement() | CaseStatement():
+            bodies = [body for _, body in statement.branches] + [statement.otherwise]
+            return any(_continues(inner) for body in bodies for inner in body)
+        case _:
+            return False
 
 
 def _surely_fits(last: Ref | Literal, step: Ref | Literal) -> bool:

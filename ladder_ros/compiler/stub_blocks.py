@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stand-ins for blocks that are not here (a vendor's hardware): Program -> Program.
 
-Each use of an unknown block becomes an instance of a composite without a body.  What is wired to
-its inputs is ordinary output of the program, and its outputs are ordinary inputs, which a topic or
-a table can drive.
+Each use of an unknown block becomes an instance of a composite without a body; so does a function
+block of the project whose body cannot run (C++, Python, SFC).  What is wired to its inputs is
+ordinary output of the program, and its outputs are ordinary inputs, which a topic or a table can
+drive.
 """
 
 from __future__ import annotations
@@ -38,13 +39,13 @@ STUB = 'stub'
 
 
 def stub_unknown_blocks(program: Program) -> Program:
-    """Return the program with a stand-in for each block that nobody knows (L0242 tells)."""
+    """Return the program with stand-ins for what cannot run (L0242 and L0245 tell)."""
     stubber = _Stubber(
         known={composite.name.casefold() for composite in program.composites},
         types={v.name.casefold(): v.type for v in program.variables})
-    composites = [stubber.pou(composite) for composite in program.composites]
+    composites = [stubber.pou(stubber.without_body(c)) for c in program.composites]
     bodies = [stubber.pou(body) for body in program.bodies]
-    if not stubber.stubs:
+    if not stubber.found:
         return program
     return replace(
         program, warnings=program.warnings + tuple(stubber.found),
@@ -58,6 +59,17 @@ class _Stubber:
     types: Mapping[str, Type]
     stubs: list[Composite] = field(default_factory=list)
     found: list[Diagnostic] = field(default_factory=list)
+
+    def without_body(self, composite: Composite) -> Composite:
+        """Return a stand-in for a function block whose body cannot run."""
+        if not composite.unsupported or composite.call is not CallKind.BLOCK:
+            return composite
+        self.found.append(problem(
+            'L0245', composite.location, name=composite.name, reason=composite.unsupported,
+            pins=', '.join(p.name for p in composite.parameters) or 'none'))
+        return replace(
+            composite, unsupported='', variables=(), rungs=(), statements=(), blocks=(),
+            category=STUB)
 
     def pou(self, pou: Pou) -> Pou:
         """Return a POU with its unknown blocks replaced."""

@@ -91,6 +91,8 @@ class Scope:
     """Function block instances: spelling and kind."""
     instances: Mapping[str, tuple[str, Composite]] = field(default_factory=dict)
     """Composite instances: spelling and definition."""
+    untyped: Mapping[str, str] = field(default_factory=dict)
+    """Names that are declared with a type which nothing has."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -142,6 +144,12 @@ def edge_memory(rung: str, component: str) -> Ref:
 def data_slot(rung: str, component: str, pin: str, type_: DataType) -> Ref:
     """Return the hidden variable that carries a direct data connection from a function's pin."""
     return Ref(path=f'%data.{rung}.{component}.{pin}', type=type_)
+
+
+def author_path(path: str) -> str:
+    """Return a path as the author of a drawing knows it: what a block gives by its id and pin."""
+    kind, _, rest = path.partition('.')
+    return rest.partition('.')[2] if kind == '%data' else path
 
 
 def is_address(path: str) -> bool:

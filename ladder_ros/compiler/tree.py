@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ladder_ros.compiler.aov import describe_symbol, SymbolVertex
+from ladder_ros.compiler.aov import describe_symbol, rung_title, SymbolVertex
 from ladder_ros.compiler.symbols import Ref
 from ladder_ros.model.types import DataType
 
@@ -102,9 +102,10 @@ class Forest:
     comment: str
     trees: tuple[Tree, ...]
     temporaries: int = 0
+    labels: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        lines = [f'rung {self.rung}' + (f'  -- {self.comment}' if self.comment else '')]
+        lines = [rung_title(self.rung, self.labels, self.comment)]
         for tree in self.trees:
             lines += [f'  {line}' for line in print_tree(tree)]
         return '\n'.join(lines)

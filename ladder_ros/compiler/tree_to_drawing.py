@@ -9,10 +9,24 @@ came without our grid (PLCopen files) are shown.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.aov import operand_text, SymbolVertex
-from ladder_ros.compiler.tree import And, Forest, Fork, Leaf, Load, Or, Pin, Save, Tree, Wire
+from ladder_ros.compiler.symbols import author_path, Operand
+from ladder_ros.compiler.tree import (
+    And,
+    Forest,
+    Fork,
+    Leaf,
+    leaves,
+    Load,
+    Or,
+    Pin,
+    Save,
+    Tree,
+    Wire,
+)
 from ladder_ros.model.component import (
     Argument,
     Block,
@@ -21,6 +35,7 @@ from ladder_ros.model.component import (
     Component,
     Contact,
     Instance,
+    Jump,
     Placement,
     Row,
     Side,
@@ -31,15 +46,25 @@ DEEPEST = 150
 """Trees that nest deeper are drawn one component a line instead."""
 
 
-def draw_forest(forest: Forest) -> Rung:
-    """Return the rung as a drawing on the grid, each tree below the one before."""
-    drawing = _Drawing()
+Texts = Mapping[str, Mapping[str, str]]
+"""What is written at the pins of a block: by component id and pin."""
+
+
+def draw_forest(forest: Forest, texts: Texts | None = None) -> Rung:
+    """Return the rung as a drawing on the grid, each tree below the one before.
+
+    ``texts`` are shown where a pin's value is computed or copied before the call.
+    """
+    calls = {leaf.symbol.instance: leaf.symbol.component.id
+             for tree in forest.trees for leaf in leaves(tree) if isinstance(leaf, Leaf)}
+    drawing = _Drawing(texts=texts or {}, calls=calls)
     top = 0
     for tree in forest.trees:
         place = drawing.put(tree, 0, top, top + 1)
         drawing.ends.append((place.x, top))
         top = max(place.bottom + 1, top + 1)
-    return Rung(id=forest.rung, width=drawing.width(), comment=forest.comment,
+    names = ''.join(f'{label}: ' for label in forest.labels)
+    return Rung(id=forest.rung, width=drawing.width(), comment=f'{names}{forest.comment}'.strip(),
                 components=tuple(drawing.finish()))
 
 
@@ -55,8 +80,11 @@ class _Place:
     """Whether something in it runs on to the right rail below its first row."""
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, kw_only=True)
 class _Drawing:
+    texts: Texts
+    calls: Mapping[str, str]
+    """The component that calls each instance: functions of the project have hidden ones."""
     components: dict[tuple[int, int], Component] = field(default_factory=dict)
     columns: list[Column] = field(default_factory=list)
     ends: list[tuple[int, int]] = field(default_factory=list)
@@ -198,19 +226,49 @@ class _Drawing:
         if isinstance(tree, Save):
             return Coil(id=f't{self.count}', placement=place, operand=f'T{tree.temporary}')
         if isinstance(tree, Pin):
-            return Contact(id=f't{self.count}', placement=place,
-                           operand=f'{tree.symbol.instance}.{tree.pin}')
-        return _drawn(tree, place)
+            return Contact(id=f't{self.count}', placement=place, operand=self._shown(
+                f'{tree.symbol.instance}.{tree.pin}'))
+        return self._drawn(tree, place)
+
+    def _shown(self, path: str) -> str:
+        """Return a path as its author knows it: what a block gives by its id and pin."""
+        instance, _, pin = path.rpartition('.')
+        if path.startswith('%call.'):
+            return f'{self.calls.get(instance, "")}.{pin}'
+        return author_path(path)
+
+    def _argument(self, component: str, pin: str, operand: Operand) -> Argument:
+        text = str(operand)
+        if '%T' in text:
+            return Argument(pin=pin, operand=self.texts.get(component, {}).get(pin, text))
+        shown = self._shown(text)
+        if shown != text:
+            return Argument(pin=pin, source=shown)
+        return Argument(pin=pin, operand=text)
+
+    def _drawn(self, leaf: Leaf, place: Placement) -> Component:
+        symbol: SymbolVertex = leaf.symbol
+        component = symbol.component
+        if isinstance(component, (Contact, Coil)):
+            return replace(
+                component, placement=place, operand=self._shown(operand_text(symbol)))
+        if isinstance(component, Jump):
+            return replace(component, placement=place)
+        assert isinstance(component, (Block, Instance))
+        arguments = [self._argument(component.id, pin, operand)
+                     for pin, operand in symbol.resolved.inputs]
+        if isinstance(component, Instance):
+            known = {argument.pin for argument in arguments} | {'EN'}
+            known |= {pin for pin, _ in leaf.power_pins}
+            arguments += [Argument(pin=pin, operand=text) for pin, text in self.texts.get(
+                component.id, {}).items() if pin not in known]
+        return _box(leaf, component, place, arguments)
 
 
-def _drawn(leaf: Leaf, place: Placement) -> Component:
-    symbol: SymbolVertex = leaf.symbol
-    component = symbol.component
-    if isinstance(component, (Contact, Coil)):
-        return replace(component, placement=place, operand=operand_text(symbol))
-    assert isinstance(component, (Block, Instance))
-    arguments = [Argument(pin=pin, operand=str(operand))
-                 for pin, operand in symbol.resolved.inputs]
+def _box(
+    leaf: Leaf, component: Block | Instance, place: Placement, arguments: list[Argument],
+) -> Component:
+    symbol = leaf.symbol
     arguments += [Argument(pin=pin, operand=f'T{number}') for pin, number in leaf.power_pins]
     targets = tuple(Argument(pin=pin, operand=str(target))
                     for pin, target in symbol.resolved.outputs if '%' not in str(target))
@@ -218,5 +276,6 @@ def _drawn(leaf: Leaf, place: Placement) -> Component:
         size = replace(place, width=2, height=max(1, len(arguments)))
         return replace(component, placement=size, arguments=tuple(arguments))
     size = replace(place, width=2, height=max(1, len(arguments), len(targets)))
+    instance = '' if symbol.instance.startswith('%') else symbol.instance
     return replace(component, placement=size, inputs=tuple(arguments), outputs=targets,
-                   instance=symbol.instance, modifiers=())
+                   type=component.type.lstrip('%'), instance=instance, modifiers=())

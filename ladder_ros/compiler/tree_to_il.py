@@ -9,6 +9,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ladder_ros.compiler.aov import SymbolVertex
@@ -20,6 +21,7 @@ from ladder_ros.compiler.tree import (
     Forest,
     Fork,
     Leaf,
+    leaves,
     Load,
     Or,
     Pin,
@@ -30,11 +32,22 @@ from ladder_ros.compiler.tree import (
     Wire,
 )
 from ladder_ros.model.catalogue import CATALOGUE
-from ladder_ros.model.component import Block, Coil, CoilKind, Contact, ContactKind, Instance
+from ladder_ros.model.component import (
+    Block,
+    Coil,
+    CoilKind,
+    Contact,
+    ContactKind,
+    Instance,
+    Jump,
+)
 from ladder_ros.model.types import DataType
 
 _EXECUTE = 200_000
 """Temporaries of EXECUTE boxes count from here."""
+
+_JUMP = 300_000
+"""Temporaries that keep the power of jumps count from here."""
 
 _TRUE = Literal(value=True, type=DataType.BOOL)
 _SUFFIX = {
@@ -54,7 +67,24 @@ def lower_to_il(forest: Forest) -> Network:
         if lowering.code:
             lowering.code.append(Instruction(op=Op.DRP))
         lowering.lower(tree)
-    return Network(rung=forest.rung, code=tuple(lowering.code), comment=forest.comment)
+    jumps = sorted((
+        leaf.symbol for tree in forest.trees for leaf in leaves(tree)
+        if isinstance(leaf, Leaf) and isinstance(leaf.symbol.component, Jump)),
+        key=lambda symbol: symbol.id)
+    if jumps:
+        lowering.code.append(Instruction(op=Op.DRP))
+    for symbol in jumps:
+        lowering.code += _jump_instructions(symbol)
+    return Network(rung=forest.rung, code=tuple(lowering.code), comment=forest.comment,
+                   labels=forest.labels)
+
+
+def _jump_instructions(symbol: SymbolVertex) -> list[Instruction]:
+    """Jump at the end of a network, as the power that was kept says (IEC 61131-3, 8.1.4)."""
+    assert isinstance(symbol.component, Jump)
+    label = symbol.component.label
+    return [Instruction(op=Op.LD, operand=temporary(_JUMP + symbol.id)),
+            Instruction(op=Op.JMP if label else Op.RET, label=label)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,15 +222,15 @@ def _transfer_instructions(leaf: Leaf) -> list[Instruction]:
     if isinstance(component, Coil):
         return [Instruction(op=_STORE[component.kind], operand=symbol.resolved.operand,
                             memory=symbol.memory, component=symbol.path)]
+    if isinstance(component, Jump):
+        return [Instruction(op=Op.STN if component.negated else Op.ST,
+                            operand=temporary(_JUMP + symbol.id), component=symbol.path)]
     if isinstance(component, Instance):
         call = Call(name=component.composite, instance=symbol.instance,
                     inputs=symbol.resolved.inputs)
-        copies = [
-            Instruction(op=Op.MOV, operand=temporary(number), target=Ref(
-                path=f'{symbol.instance}.{pin}', type=DataType.BOOL))
-            for pin, number in leaf.power_pins]
         op = Op.RUN if symbol.is_block else Op.EXE
-        return [*copies, Instruction(op=op, call=call, component=symbol.path)]
+        return [*_copies(symbol, leaf.power_pins),
+                Instruction(op=op, call=call, component=symbol.path)]
     assert isinstance(component, Block)
     if component.type == '%NOT':
         return [Instruction(op=Op.NOT, component=symbol.path)]
@@ -214,8 +244,17 @@ def _transfer_instructions(leaf: Leaf) -> list[Instruction]:
         bound, key=lambda pin: known.index(pin) if pin in known else _further(pin)))
     call = Call(name=kind.name, instance=symbol.instance, type=symbol.resolved.type,
                 inputs=inputs, outputs=symbol.resolved.outputs)
-    return [Instruction(
+    kept = [pin for pin in leaf.power_pins if pin[0] in known] if symbol.keeps_inputs else []
+    return [*_copies(symbol, kept), Instruction(
         op=Op.FUN if kind.is_function else Op.CAL, call=call, component=symbol.path)]
+
+
+def _copies(symbol: SymbolVertex, pins: Sequence[tuple[str, int]]) -> list[Instruction]:
+    """Return what puts the power that reaches further pins into an instance."""
+    return [
+        Instruction(op=Op.MOV, operand=temporary(number), target=Ref(
+            path=f'{symbol.instance}.{pin}', type=DataType.BOOL))
+        for pin, number in pins]
 
 
 def _execute(symbol: SymbolVertex) -> list[Instruction]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from ladder_ros.compiler.il import Instruction, Op
 from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.resolve_rung import literal_type, suggestion
-from ladder_ros.compiler.st_calls import fresh_start
+from ladder_ros.compiler.st_calls import fresh_start, report_no_pin
 from ladder_ros.compiler.st_expressions import convert, lower_expression, lower_target, type_of
 from ladder_ros.compiler.symbols import data_slot, Literal, Operand, Ref, Resolved, Target
 from ladder_ros.compiler.wires_to_order import Connections
@@ -145,9 +145,11 @@ class WiredBlocks:
         if kind is None:
             pins = ', '.join(dict.fromkeys(
                 [*self.connections.pins.get(component.id, ()), *self._output_pins(component.id)]))
-            self.lowering.report('L0208', component.location, f'its pins: {pins}', name=type_,
-                                 known=f'{len(CATALOGUE)} standard ones', hint=suggestion(
-                                     type_, [*CATALOGUE, *self.lowering.composites]))
+            likely = suggestion(type_, [*CATALOGUE, *self.lowering.composites])
+            self.lowering.report(
+                'L0208', component.location, f'its pins: {pins or "none"}', name=type_, help=(
+                    f'it is neither in the library nor in the project{likely}; the import option '
+                    '"stubs": true puts a stand-in in its place'))
             return None
         if not kind.is_function and not component.instance:
             self.lowering.report('L0216', component.location, name=kind.name,
@@ -426,15 +428,17 @@ class WiredBlocks:
     def _stores(
         self, callee: Callee, inputs: Mapping[str, Operand], powered: set[str],
     ) -> Iterator[Instruction]:
-        """Yield what keeps the inputs of a block that something reads by name (``t1.IN``)."""
+        """Yield what keeps the inputs of a block, which anyone may read by name (``t1.IN``).
+
+        What reaches further pins as power is kept when the block is called.
+        """
         for pin, value in inputs.items() if callee.instance else ():
             target = Ref(path=f'{callee.instance}.{pin}', type=value.type)
-            if pin.casefold() in self.lowering.read_fields and value != target:
+            if value != target:
                 yield Instruction(op=Op.MOV, operand=value, target=target)
-        main = callee.main
-        if callee.instance and main in powered and main.casefold() in self.lowering.read_fields:
+        if callee.instance and callee.main in powered:
             yield Instruction(op=Op.ST, operand=Ref(
-                path=f'{callee.instance}.{main}', type=DataType.BOOL))
+                path=f'{callee.instance}.{callee.main}', type=DataType.BOOL))
 
     def _complete(
         self, block: Block, callee: Callee, kind: BlockKind, inputs: dict[str, Operand],
@@ -487,9 +491,7 @@ class WiredBlocks:
             if pin_name.upper() == 'EN' and parameter is None:
                 powered.append(('EN', sources))
             elif parameter is None:
-                self.lowering.report(
-                    'L0209', component.location, owner=callee.name, pin=pin_name,
-                    known=', '.join(p.name for p in composite.parameters))
+                report_no_pin(self.lowering, composite, pin_name, component.location)
             elif parameter.direction is Direction.INOUT:
                 bindings += self._inout(parameter, sources[0], component)
             else:

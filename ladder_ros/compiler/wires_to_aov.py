@@ -16,11 +16,12 @@ from dataclasses import dataclass, field, replace
 from ladder_ros.compiler.aov import Aov, Arc, SymbolVertex, VirtualVertex
 from ladder_ros.compiler.il import Instruction
 from ladder_ros.compiler.lowering import Lowering
+from ladder_ros.compiler.resolve_rung import suggestion
 from ladder_ros.compiler.st_to_il import lower_statements
 from ladder_ros.compiler.symbols import edge_memory, Operand, Ref, Resolved, Target
 from ladder_ros.compiler.wired_blocks import WiredBlocks
-from ladder_ros.compiler.wires_to_order import connect, Connections, order_components
-from ladder_ros.compiler.wiring import Rail
+from ladder_ros.compiler.wires_to_order import connect, Connections, order_networks
+from ladder_ros.compiler.wiring import describe, Rail
 from ladder_ros.model.component import (
     Block,
     Coil,
@@ -30,6 +31,8 @@ from ladder_ros.model.component import (
     ContactKind,
     Instance,
     InVariable,
+    Jump,
+    Label,
     OutVariable,
     PinEdge,
     PinModifier,
@@ -47,39 +50,37 @@ def build_wired_aovs(rung: Rung, lowering: Lowering) -> tuple[Aov, ...]:
     Problems go into ``lowering``.
     """
     connections = connect(rung)
-    order = order_components(rung, connections, lowering)
+    networks = order_networks(rung, connections, lowering)
+    labels = _check_jumps(rung, lowering)
+    order = [component for network in networks for component in network.components]
     blocks = WiredBlocks(rung=rung, connections=connections, lowering=lowering)
     aovs = []
-    for number, network in enumerate(_networks(rung, order), start=1):
+    for number, network in enumerate(networks, start=1):
         builder = _Builder(
-            rung=rung, connections=connections, lowering=lowering, blocks=blocks,
+            rung=rung, connections=connections, lowering=lowering, blocks=blocks, labels=labels,
             rank={component.id: place for place, component in enumerate(order)})
-        aovs.append(builder.run(str(number), network))
+        aovs.append(replace(builder.run(str(number), network.components), labels=network.labels))
     return tuple(aovs)
 
 
-def _networks(rung: Rung, order: Sequence[Component]) -> list[list[Component]]:
-    """Cut the order into networks; networks that are evaluated interleaved stay together."""
-    parent: dict[str, str] = {}
+def _check_jumps(rung: Rung, lowering: Lowering) -> dict[str, str]:
+    """Return the labels by casefolded name.
 
-    def find(name: str) -> str:
-        while parent.setdefault(name, name) != name:
-            parent[name] = parent[parent[name]]
-            name = parent[name]
-        return name
-
-    for wire in rung.wires or ():
-        if wire.source.component and wire.target.component:
-            parent[find(wire.source.component)] = find(wire.target.component)
-    last = {find(component.id): place for place, component in enumerate(order)}
-    networks: list[list[Component]] = []
-    end = -1
-    for place, component in enumerate(order):
-        if place > end:
-            networks.append([])
-        networks[-1].append(component)
-        end = max(end, last[find(component.id)])
-    return networks
+    Labels that are drawn twice are reported, and jumps to labels that are not drawn.
+    """
+    known: dict[str, Label] = {}
+    for component in rung.components:
+        if isinstance(component, Label):
+            first = known.setdefault(component.label.casefold(), component)
+            if first is not component:
+                lowering.report('L0201', component.location, name=component.label,
+                                related=((first.location, 'first used here'),))
+    spelling = {name: label.label for name, label in known.items()}
+    for component in rung.components:
+        if isinstance(component, Jump) and component.label.casefold() not in {*known, ''}:
+            lowering.report('L0226', component.location, name=component.label,
+                            hint=suggestion(component.label, spelling.values()))
+    return spelling
 
 
 @dataclass(slots=True, kw_only=True)
@@ -91,6 +92,7 @@ class _Builder:
     lowering: Lowering
     blocks: WiredBlocks
     rank: dict[str, int]
+    labels: dict[str, str]
     symbols: list[SymbolVertex] = field(default_factory=list)
     virtuals: list[VirtualVertex] = field(default_factory=list)
     feeds: list[tuple[_Giver, int, str]] = field(default_factory=list)
@@ -102,7 +104,7 @@ class _Builder:
     copies: dict[tuple[str, str], int] = field(default_factory=dict)
     """Contacts of a feedback loop that are drawn once more: id, what for -> the symbol."""
 
-    def run(self, number: str, network: Iterable[Component]) -> Aov:
+    def run(self, number: str, network: Sequence[Component]) -> Aov:
         for component in network:
             self._add(component)
         comment = self.rung.comment if number == '1' else ''
@@ -121,6 +123,9 @@ class _Builder:
                 self._in_variable(component)
         elif isinstance(component, OutVariable):
             self._out_variable(component)
+        elif isinstance(component, Jump):
+            label = self.labels.get(component.label.casefold(), '')
+            self._symbol(replace(component, label=label), Resolved(), (), self._power(component))
         elif isinstance(component, (Block, Instance)):
             self._block(component)
 
@@ -131,10 +136,7 @@ class _Builder:
 
     def _in_variable(self, variable: InVariable) -> None:
         prelude, operand = self.blocks.read(variable.operand, variable.location)
-        kind = ContactKind.NORMALLY_CLOSED if variable.negated else ContactKind.NORMALLY_OPEN
-        contact = Contact(id=variable.id, placement=variable.placement, kind=kind,
-                          operand=variable.operand, location=variable.location)
-        self._symbol(contact, Resolved(operand=operand), prelude, [Port()])
+        self._symbol(_as_contact(variable), Resolved(operand=operand), prelude, [Port()])
 
     def _out_variable(self, variable: OutVariable) -> None:
         """Assign: as a coil where power comes in, else as a move that ENO guards."""
@@ -236,13 +238,14 @@ class _Builder:
 
     def _power(self, component: Component) -> list[Port]:
         sources = self.connections.sources.get((component.id, ''), ())
+        name = f'{component.id} ({describe(component)})'
         if not sources:
-            self.lowering.report('L0306', component.location, name=component.id)
+            self.lowering.report('L0306', component.location, name=name)
         for port in sources:
             actual = self.blocks.type_of(port)
             if actual not in (DataType.BOOL, None):
                 self.lowering.report(
-                    'L0204', component.location, name=f'what feeds {component.id}',
+                    'L0204', component.location, name=f'what feeds {name}',
                     actual=actual, expected=DataType.BOOL)
         return list(sources)
 
@@ -261,6 +264,8 @@ class _Builder:
                 symbol = _Giver(symbol=self.vertex[port.component])
                 return self._output(port, self.enabled.get(port.component, symbol))
             before = self.blocks.components.get(port.component)
+            if isinstance(before, InVariable):
+                before = _as_contact(before)
             if isinstance(before, Contact):
                 return self._copy(before, taker)
             eno = self.blocks.eno_sources(port)
@@ -279,6 +284,7 @@ class _Builder:
         """Draw a contact once more that lies between a block and what feeds the block.
 
         Here it passes on what the block gave last; where it was drawn, what the block gives now.
+        So is a contact that feeds what stands behind a jump or a label.
         """
         key = contact.id, taker.id
         if key not in self.copies:
@@ -289,7 +295,7 @@ class _Builder:
             prelude, operand = self.blocks.read(contact.operand, contact.location)
             self.copies[key] = self._symbol(
                 again, Resolved(operand=operand), prelude,
-                self.connections.sources.get((contact.id, ''), ()), owner=taker)
+                self.connections.sources.get((contact.id, ''), (Port(),)), owner=taker)
             del self.vertex[again.id]
         return _Giver(symbol=self.copies[key])
 
@@ -321,6 +327,7 @@ class _Builder:
         self.symbols.append(SymbolVertex(
             id=number, path=component.id, component=component, resolved=resolved,
             instance=instance, memory=memory, prelude=prelude, is_block=is_block,
+            keeps_inputs=isinstance(component, Block) and bool(instance),
             touches=touches, body=body))
         self.vertex.setdefault(component.id, number)
         self.feeds += [(giver, number, '') for giver in givers]
@@ -366,6 +373,12 @@ class _Builder:
         self.virtuals.append(VirtualVertex(
             id=number, column=place.x, first=place.y, last=place.y))
         return number
+
+
+def _as_contact(variable: InVariable) -> Contact:
+    kind = ContactKind.NORMALLY_CLOSED if variable.negated else ContactKind.NORMALLY_OPEN
+    return Contact(id=variable.id, placement=variable.placement, kind=kind,
+                   operand=variable.operand, location=variable.location)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,16 +7,29 @@ file has them.  Each pulls what it needs: contacts and blocks that were not eval
 component is evaluated once.  A loop is cut where a block's output is read before the block is
 evaluated; a loop without a block is an error.  Contacts on the way from a block's output back to
 its input are left to what else they feed: for the block they are drawn once more.
+
+What hangs together is a network.  A drawing with jumps, returns or labels is evaluated network by
+network, each of them wholly (IEC 61131-3, 8.1.4), in the order of their first statements; in
+document order a label stands where the document has it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cmp_to_key
 
 from ladder_ros.compiler.lowering import Lowering
-from ladder_ros.model.component import Block, Coil, Component, Contact, Instance, OutVariable
+from ladder_ros.model.component import (
+    Block,
+    Coil,
+    Component,
+    Contact,
+    Instance,
+    Jump,
+    Label,
+    OutVariable,
+)
 from ladder_ros.model.program import Order, Port, Rung
 
 SAME_ROW = 10
@@ -59,27 +72,132 @@ def connect(rung: Rung) -> Connections:
     return Connections(sources=sources, pins={key: tuple(names) for key, names in pins.items()})
 
 
-def order_components(
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OrderedNetwork:
+    """Components in the order of evaluation, and the labels that stand at them."""
+
+    components: tuple[Component, ...]
+    labels: tuple[str, ...] = ()
+
+
+def order_networks(
     rung: Rung, connections: Connections, lowering: Lowering,
-) -> tuple[Component, ...]:
-    """Return the components in the order of evaluation; what nothing needs is left out."""
+) -> tuple[OrderedNetwork, ...]:
+    """Return the networks in the order of evaluation; what nothing needs is left out.
+
+    Networks that are evaluated interleaved are one.
+    """
     ordering = _Ordering(
         components={component.id: component for component in rung.components},
         connections=connections, lowering=lowering)
-    for statement in _statements(rung):
+    order = ordering.order
+    network_of = _find_networks(rung)
+    cuts: dict[int, list[str]] = {0: []}
+    for statement in _statements(rung, network_of):
+        if isinstance(statement, Label):
+            cuts.setdefault(len(order), []).append(statement.label)
+            continue
         ordering.visit(statement.id)
-    return tuple(ordering.order)
+        if isinstance(statement, Jump) and statement.at_once:
+            cuts.setdefault(len(order), [])
+    networks: list[OrderedNetwork] = []
+    places = sorted(cuts)
+    for start, end in zip(places, [*places[1:], len(order)], strict=True):
+        pieces = _cut(order[start:end], network_of)
+        if cuts[start]:
+            first, *pieces = pieces or [()]
+            networks.append(OrderedNetwork(components=first, labels=tuple(cuts[start])))
+        networks += [OrderedNetwork(components=piece) for piece in pieces]
+    return tuple(networks)
 
 
-def _statements(rung: Rung) -> Sequence[Component]:
-    listed = [c for c in rung.components if isinstance(c, (Coil, OutVariable, Block, Instance))]
+def _cut(
+    order: Sequence[Component], network_of: Mapping[str, str],
+) -> list[tuple[Component, ...]]:
+    """Cut components into networks."""
+    last = {network_of[component.id]: place for place, component in enumerate(order)}
+    pieces: list[list[Component]] = []
+    end = -1
+    for place, component in enumerate(order):
+        if place > end:
+            pieces.append([])
+        pieces[-1].append(component)
+        end = max(end, last[network_of[component.id]])
+    return [tuple(piece) for piece in pieces]
+
+
+def _find_networks(rung: Rung) -> dict[str, str]:
+    """Return for each component id what is the same for all that hangs together."""
+    parent = {component.id: component.id for component in rung.components}
+
+    def find(name: str) -> str:
+        while parent[name] != name:
+            parent[name] = parent[parent[name]]
+            name = parent[name]
+        return name
+
+    for wire in rung.wires or ():
+        if wire.source.component and wire.target.component:
+            parent[find(wire.source.component)] = find(wire.target.component)
+    return {name: find(name) for name in parent}
+
+
+def statements(rung: Rung) -> Sequence[Component]:
+    """Return what is evaluated for its own sake, in order, and the labels in between."""
+    return _statements(rung, _find_networks(rung))
+
+
+def _statements(rung: Rung, network_of: Mapping[str, str]) -> Sequence[Component]:
+    listed: list[Component] = [
+        c for c in rung.components
+        if isinstance(c, (Coil, OutVariable, Jump, Label, Block, Instance))]
     if rung.order is Order.DOCUMENT:
         return listed
-    by_position = sorted(listed, key=cmp_to_key(_compare))
-    if rung.order is Order.POSITION_ALL:
-        return by_position
-    return [*(c for c in by_position if isinstance(c, (Coil, OutVariable))),
-            *(c for c in by_position if isinstance(c, (Block, Instance)))]
+    listed.sort(key=cmp_to_key(_compare))
+    by_kind = list(listed)
+    if rung.order is Order.POSITION_KIND:
+        by_kind.sort(key=lambda component: isinstance(component, (Block, Instance)))
+    if not any(isinstance(component, (Jump, Label)) for component in listed):
+        return by_kind
+    rank: dict[str, int] = {}
+    for component in listed:
+        if not isinstance(component, Label):
+            rank.setdefault(network_of[component.id], len(rank))
+    named = _named_networks(rung, network_of, rank)
+
+    def key(component: Component) -> tuple[int, bool]:
+        is_label = isinstance(component, Label)
+        network = named[component.id] if is_label else network_of[component.id]
+        return rank.get(network, len(rank)), not is_label
+
+    return sorted(by_kind, key=key)
+
+
+def _named_networks(
+    rung: Rung, network_of: Mapping[str, str], known: Container[str],
+) -> dict[str, str]:
+    """Return the network that each label stands at; '' behind all of them.
+
+    It is the uppermost one that is neither above the label nor left of it.
+    """
+    networks: dict[str, list[Component]] = {}
+    for component in rung.components:
+        if network_of[component.id] in known:
+            networks.setdefault(network_of[component.id], []).append(component)
+    top = {name: min((c.placement.y, c.placement.x) for c in network)
+           for name, network in networks.items()}
+    return {
+        label.id: min((name for name, network in networks.items()
+                       if not _precedes(network, label)), key=top.__getitem__, default='')
+        for label in rung.components if isinstance(label, Label)}
+
+
+def _precedes(network: Sequence[Component], label: Label) -> bool:
+    """Say whether a network stands above a label, or left of it."""
+    place = label.placement
+    middle = place.y + place.height / 2
+    return (max(c.placement.y + c.placement.height for c in network) <= middle
+            or max(c.placement.x + c.placement.width for c in network) <= place.x)
 
 
 def _compare(a: Component, b: Component) -> int:

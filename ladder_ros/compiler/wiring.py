@@ -9,7 +9,16 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 
-from ladder_ros.model.component import Block, Coil, Column, Component, Contact, Instance, Row
+from ladder_ros.model.component import (
+    Block,
+    Coil,
+    Column,
+    Component,
+    Contact,
+    Instance,
+    Jump,
+    Row,
+)
 from ladder_ros.model.program import Rung
 
 
@@ -128,5 +137,8 @@ def describe(component: Component) -> str:
         return f'instance {component.instance} of {component.composite}'
     if isinstance(component, Row):
         return 'row'
+    if isinstance(component, Jump):
+        power = 'no power' if component.negated else 'power'
+        return f'jump to {component.label} on {power}' if component.label else f'return on {power}'
     assert isinstance(component, Column)
     return 'column'

@@ -23,6 +23,7 @@ import threading
 import time
 from typing import Any, IO
 
+from ladder_ros.demo.elevators import EIGHT, ELEVATORS
 from ladder_ros.resources import find_resource
 
 READY_SECONDS = 40.0
@@ -105,15 +106,18 @@ def start(name: str, module: str, *args: str, log: Path | None) -> Child:
 def children(options: argparse.Namespace, logs: Path) -> Iterator[list[Child]]:
     """Run the processes while the block runs; all are gone after it."""
     running: list[Child] = []
+    floors = ('--floors', str(options.floors))
     try:
         running.append(start(
             'elevator_plant', 'ladder_ros.demo.elevator_plant', '--seed', str(options.seed),
-            '--mean-gap', str(options.mean_gap), log=logs / 'elevator_plant.log'))
+            '--mean-gap', str(options.mean_gap), *floors, log=logs / 'elevator_plant.log'))
         running.append(start(
             'plc_node', 'ladder_ros.ros.node', '--ros-args', '--params-file',
-            str(find_resource('config', 'elevator_3_floor.yaml')), log=logs / 'plc_node.log'))
+            str(find_resource('config', f'elevator_{options.floors}_floor.yaml')),
+            log=logs / 'plc_node.log'))
         if not options.no_view:
-            running.append(start('elevator_view', 'ladder_ros.demo.elevator_view', log=None))
+            running.append(start(
+                'elevator_view', 'ladder_ros.demo.elevator_view', *floors, log=None))
         yield running
     finally:
         for child in reversed(running):
@@ -146,6 +150,7 @@ def summary(seen: Observation, seconds: float) -> list[str]:
     """Return what the demonstration did, in sentences."""
     plant, state = seen.plant, seen.controller
     io = state.get('io', {})
+    share = state.get('share') or {}
     mean, most = ((state.get('execution_ms') or {}).get(key, 0.0) for key in ('mean', 'max'))
     return [
         (f'The elevator ran for {seconds:.1f} s over ROS 2 topics '
@@ -153,6 +158,8 @@ def summary(seen: Observation, seconds: float) -> list[str]:
         (f'  scans       {state.get("scans", 0)}, every {state.get("interval_ms", 0):g} ms, '
         f'{state.get("overruns", 0)} overruns; one took {1000 * mean:.0f} µs on '
         f'average, {1000 * most:.0f} µs at most'),
+        (f'  executed    {share.get("mean", 0):.0%} of the program in a scan on average, '
+         f'of {share.get("instructions", 0)} instructions'),
         f'  messages    {io.get("received", 0)} received by plc_node, {io.get("sent", 0)} sent',
         (f'  passengers  {plant.get("served", 0)} served, {len(plant.get("riding", []))} riding, '
         f'{len(plant.get("waiting", []))} waiting; mean wait {plant.get("mean_wait", 0):.1f} s'),
@@ -177,9 +184,11 @@ def parse_arguments(args: Sequence[str] | None) -> argparse.Namespace:
     """Read the command line."""
     parser = argparse.ArgumentParser(
         prog='elevator_demo',
-        description='A 3-floor elevator controlled by a ladder program over ROS 2 topics.')
+        description='An elevator controlled by a ladder program over ROS 2 topics.')
+    parser.add_argument('--floors', type=int, choices=ELEVATORS, default=EIGHT.count,
+                        help=f'the elevator of 3 or of 8 floors ({EIGHT.count})')
     parser.add_argument('--seconds', type=float, default=30.0, help='how long it runs (30)')
-    parser.add_argument('--seed', type=int, default=18, help='of the random passengers (18)')
+    parser.add_argument('--seed', type=int, default=15, help='of the random passengers (15)')
     parser.add_argument('--mean-gap', type=float, default=4.0, metavar='S',
                         help='mean time between two passengers in seconds (4)')
     parser.add_argument('--no-view', action='store_true', help='print the summary only')

@@ -12,25 +12,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 import random
 
-FLOORS = (1, 2, 3)
-LEVELS = tuple(f'level_{n}' for n in FLOORS)
-CABIN_BUTTONS = tuple(f'call_{n}' for n in FLOORS)
-HALL_BUTTONS = ('up_1', 'up_2', 'down_2', 'down_3')
-SENSORS = (
-    *LEVELS, *CABIN_BUTTONS, *HALL_BUTTONS,
-    'door_opened', 'door_closed', 'door_blocked', 'emergency_stop',
-)
-"""What the plant tells the program: the program's inputs, all BOOL."""
-MOTORS = ('contactor_up', 'contactor_down', 'door_open', 'door_close')
-LAMPS = (
-    *(f'lamp_{name}' for name in (*CABIN_BUTTONS, *HALL_BUTTONS)),
-    'light_up', 'light_down', *(f'floor_{n}' for n in FLOORS),
-)
-COMMANDS = (*MOTORS, *LAMPS)
-"""What the program tells the plant and the people: its BOOL outputs."""
+from ladder_ros.demo.elevators import Elevator, THREE
 
-SPEED = 0.6
-"""Floors a second at full speed: 1.7 s a floor."""
 ACCELERATION = 4.0
 LEVEL_WINDOW = 0.07
 """A level sensor is on this far above and below its floor."""
@@ -78,6 +61,7 @@ class Plant:
     ``violations`` are the things that a correct program never lets happen, each told once.
     """
 
+    elevator: Elevator = THREE
     seed: int = 1
     mean_gap: float = 4.0
     position: float | None = None
@@ -91,7 +75,7 @@ class Plant:
     arrivals: int = 0
     waits: list[float] = field(default_factory=list)
     violations: list[str] = field(default_factory=list)
-    commands: dict[str, bool] = field(default_factory=lambda: dict.fromkeys(COMMANDS, False))
+    commands: dict[str, bool] = field(default_factory=dict)
     _random: random.Random = field(init=False, repr=False)
     _next_arrival: float = 0.0
     _held: dict[str, float] = field(default_factory=dict)
@@ -103,8 +87,9 @@ class Plant:
     def __post_init__(self) -> None:
         """Put the cabin at a floor, unless it is told where, and let somebody come."""
         self._random = random.Random(self.seed)
+        self.commands = dict.fromkeys(self.elevator.commands, False)
         if self.position is None:
-            self.position = float(self._random.choice(FLOORS) - 1)
+            self.position = float(self._random.choice(self.elevator.floors) - 1)
         self._next_arrival = self._random.uniform(0.2, 1.0)
 
     @property
@@ -115,18 +100,18 @@ class Plant:
 
     def level(self) -> int | None:
         """Return the floor that the cabin is level with, or None."""
-        for floor in FLOORS:
-            if abs(self.height - (floor - 1)) <= LEVEL_WINDOW:
-                return floor
-        return None
+        top = self.elevator.count - 1
+        height = min(max(self.height, 0.0), top) if self.elevator.reaches_beyond else self.height
+        nearest = min(max(round(height), 0), top)
+        return nearest + 1 if abs(height - nearest) <= LEVEL_WINDOW else None
 
     def sensors(self) -> dict[str, bool]:
         """Return what the plant tells the program."""
-        at = self.level()
-        values = {f'level_{floor}': at == floor for floor in FLOORS}
+        at, elevator = self.level(), self.elevator
+        values = {f'{elevator.level}{floor}': at == floor for floor in elevator.floors}
         values |= {
             button: self._held.get(button, -1.0) > self.time
-            for button in (*CABIN_BUTTONS, *HALL_BUTTONS)
+            for button in (*elevator.calls, *elevator.buttons)
         }
         values['door_opened'] = self.door >= 1.0
         values['door_closed'] = self.door <= 0.0
@@ -146,7 +131,7 @@ class Plant:
         for passenger in self.waiting:
             self._press(passenger, passenger.hall_button)
         for passenger in self.riding:
-            self._press(passenger, f'call_{passenger.goal}')
+            self._press(passenger, f'{self.elevator.button}{passenger.goal}')
 
     def mean_wait(self) -> float:
         """Return the mean time from arriving to boarding, of those who have boarded."""
@@ -154,8 +139,8 @@ class Plant:
 
     def _move_cabin(self, seconds: float) -> None:
         """Speed up towards what the contactors ask for; without one the brake stops the cabin."""
-        up, down = self.commands['contactor_up'], self.commands['contactor_down']
-        wanted = SPEED * (up - down)
+        up, down = (self.commands[name] for name in self.elevator.motors)
+        wanted = self.elevator.speed * (up - down)
         change = ACCELERATION * seconds
         self.velocity += min(max(wanted - self.velocity, -change), change)
         if not wanted:
@@ -163,7 +148,7 @@ class Plant:
         else:
             self._still_since = self.time
         self.position = self.height + self.velocity * seconds
-        low, high = -OVERTRAVEL, FLOORS[-1] - 1 + OVERTRAVEL
+        low, high = -OVERTRAVEL, self.elevator.count - 1 + OVERTRAVEL
         if not low < self.position < high:
             self.position = min(max(self.position, low), high)
             self.velocity = 0.0
@@ -179,7 +164,7 @@ class Plant:
 
     def _watch(self) -> None:
         """Look for what a correct program never lets happen."""
-        if self.commands['contactor_up'] and self.commands['contactor_down']:
+        if all(self.commands[name] for name in self.elevator.motors):
             self._violation('both contactors were closed')
         if self.commands['door_open'] and self.commands['door_close']:
             self._violation('the door was driven both ways')
@@ -195,7 +180,7 @@ class Plant:
     def _arrive(self) -> None:
         if self.time < self._next_arrival:
             return
-        origin, goal = self._random.sample(FLOORS, 2)
+        origin, goal = self._random.sample(self.elevator.floors, 2)
         self.arrivals += 1
         gap = self._random.uniform(0.2, 0.5) if self.arrivals < RUSH \
             else self._random.expovariate(1.0 / self.mean_gap)
@@ -214,13 +199,19 @@ class Plant:
                 self._crossing_until = self.time + CROSSING_TIME
                 return
         for passenger in self.waiting:
-            if passenger.origin == floor and len(self.riding) < CAPACITY:
+            if (passenger.origin == floor and len(self.riding) < CAPACITY
+                    and not self._goes_the_other_way(passenger)):
                 self.waiting.remove(passenger)
                 passenger.boarded, passenger.pressed = self.time, -1e9
                 self.waits.append(self.time - passenger.arrived)
                 self.riding.append(passenger)
                 self._crossing_until = self.time + CROSSING_TIME
                 return
+
+    def _goes_the_other_way(self, passenger: Passenger) -> bool:
+        up, down = self.elevator.lights
+        against = down if passenger.goal > passenger.origin else up
+        return self.elevator.is_heeded and self.commands[against]
 
     def _press(self, passenger: Passenger, button: str) -> None:
         """Press a button whose lamp is dark; look again after a while.

@@ -16,7 +16,8 @@ import sys
 import time
 from typing import Any
 
-from ladder_ros.demo.elevator_model import COMMANDS, Plant, SENSORS
+from ladder_ros.demo.elevator_model import Plant
+from ladder_ros.demo.elevators import EIGHT, ELEVATORS
 
 STEP = 0.02
 HEARTBEAT = 0.5
@@ -52,9 +53,10 @@ class PlantNode:
         self._sent: dict[str, bool] = {}
         self._heartbeat_due = self._report_due = 0.0
         self._sensors = {
-            name: node.create_publisher(Bool, f'elevator/{name}', LATCHED) for name in SENSORS}
+            name: node.create_publisher(Bool, f'elevator/{name}', LATCHED)
+            for name in plant.elevator.sensors}
         self._report = node.create_publisher(String, 'elevator/plant', LATCHED)
-        for name in COMMANDS:
+        for name in plant.elevator.commands:
             node.create_subscription(
                 Bool, f'elevator/{name}',
                 lambda message, name=name: self._commands.__setitem__(name, message.data), LATCHED)
@@ -82,7 +84,9 @@ def parse_arguments(args: Sequence[str]) -> argparse.Namespace:
     """Read the command line, without the arguments meant for ROS."""
     parser = argparse.ArgumentParser(
         prog='elevator_plant', description='The elevator demonstration: cabin and passengers.')
-    parser.add_argument('--seed', type=int, default=18, help='of the random passengers (18)')
+    parser.add_argument('--floors', type=int, choices=ELEVATORS, default=EIGHT.count,
+                        help=f'which elevator it is ({EIGHT.count})')
+    parser.add_argument('--seed', type=int, default=15, help='of the random passengers (15)')
     parser.add_argument(
         '--mean-gap', type=float, default=4.0, metavar='S',
         help='mean time between two passengers in seconds (4)')
@@ -106,7 +110,8 @@ def main(args: Sequence[str] | None = None) -> int:
         return 1
     options = parse_arguments(remove_ros_args(arguments)[1:])
     stop = stop_on_signals()
-    plant = Plant(seed=options.seed, mean_gap=options.mean_gap)
+    plant = Plant(
+        elevator=ELEVATORS[options.floors], seed=options.seed, mean_gap=options.mean_gap)
     with ros_node('elevator_plant', arguments) as node:
         topics = PlantNode(node, plant)
         last = due = time.monotonic()

@@ -15,7 +15,7 @@ import time
 from typing import Any, TextIO
 
 from ladder_ros.demo.elevator_drawing import Picture
-from ladder_ros.demo.elevator_model import COMMANDS
+from ladder_ros.demo.elevators import EIGHT, ELEVATORS
 
 REDRAW = 0.125
 PRINT = 2.0
@@ -28,26 +28,31 @@ class ViewNode:
 
     def __init__(self, node: Any, picture: Picture) -> None:
         """Make all subscriptions on the node."""
-        from std_msgs.msg import Bool, Int32, String
+        import std_msgs.msg
+        from std_msgs.msg import Bool, String
 
         from ladder_ros.demo.rosnode import LATCHED
 
         self._picture = picture
-        for name in COMMANDS:
+        for name in picture.elevator.commands:
             node.create_subscription(
                 Bool, f'elevator/{name}',
                 lambda message, name=name: self._lamp(name, message.data), LATCHED)
-        node.create_subscription(Int32, 'elevator/stops', self._stops, LATCHED)
+        node.create_subscription(
+            getattr(std_msgs.msg, picture.elevator.number_message),
+            f'elevator/{picture.elevator.number}', self._number, LATCHED)
         node.create_subscription(String, 'elevator/plant', self._plant, LATCHED)
         node.create_subscription(String, 'plc_node/state', self._state, LATCHED)
+        if picture.elevator.tasks:
+            node.create_subscription(String, 'plc_node/monitor', self._monitor, LATCHED)
 
     def _lamp(self, name: str, lit: bool) -> None:
         self._picture.messages += 1
         self._picture.lamps[name] = lit
 
-    def _stops(self, message: Any) -> None:
+    def _number(self, message: Any) -> None:
         self._picture.messages += 1
-        self._picture.stops = message.data
+        self._picture.number = message.data
 
     def _plant(self, message: Any) -> None:
         self._picture.messages += 1
@@ -58,11 +63,17 @@ class ViewNode:
         self._picture.controller = json.loads(message.data)
 
 
+    def _monitor(self, message: Any) -> None:
+        self._picture.messages += 1
+        self._picture.values = json.loads(message.data).get('values', {})
+
+
 def show(picture: Picture, out: TextIO, *, in_place: bool) -> None:
     """Draw the picture over the last one, or below it."""
     lines = picture.lines()
     if in_place:
-        out.write(HOME + ''.join(f'{line}{CLEAR_LINE}\n' for line in lines) + CLEAR_BELOW)
+        # Without a last line feed: a terminal of 24 lines would move up.
+        out.write(HOME + '\n'.join(f'{line}{CLEAR_LINE}' for line in lines) + CLEAR_BELOW)
     else:
         out.write('\n'.join(lines) + '\n\n')
     out.flush()
@@ -79,15 +90,17 @@ def main(args: Sequence[str] | None = None) -> int:
         print(f'elevator_view needs the ROS 2 Python packages ({error}): source a ROS 2 '
               "installation, or: pip install 'ladder_ros[ros]'", file=sys.stderr)
         return 1
-    argparse.ArgumentParser(
-        prog='elevator_view', description='A live picture of the elevator demonstration.',
-    ).parse_args(remove_ros_args(arguments)[1:])
+    parser = argparse.ArgumentParser(
+        prog='elevator_view', description='A live picture of the elevator demonstration.')
+    parser.add_argument('--floors', type=int, choices=ELEVATORS, default=EIGHT.count,
+                        help=f'which elevator it is ({EIGHT.count})')
+    options = parser.parse_args(remove_ros_args(arguments)[1:])
     stop = stop_on_signals()
     out = sys.stdout
     in_place = out.isatty()
     if hasattr(out, 'reconfigure'):
         out.reconfigure(errors='replace')  # a terminal without the drawing's characters
-    picture = Picture(colour=in_place)
+    picture = Picture(elevator=ELEVATORS[options.floors], colour=in_place)
     with ros_node('elevator_view', arguments) as node:
         ViewNode(node, picture)
         try:
@@ -102,7 +115,7 @@ def main(args: Sequence[str] | None = None) -> int:
             return 1
         finally:
             if in_place:
-                out.write(SHOW_CURSOR)
+                out.write(f'\n{SHOW_CURSOR}')
                 out.flush()
     return 0
 

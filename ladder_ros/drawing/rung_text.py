@@ -9,7 +9,7 @@ mistake.  Joints are the compiler's (see :mod:`ladder_ros.drawing.joints`).
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from textwrap import wrap
 
@@ -32,6 +32,8 @@ from ladder_ros.drawing.shapes import Box, Shape, shape_of, ShapeContext, Symbol
 from ladder_ros.model.component import Argument, Block, Coil, Component, Contact, Instance
 from ladder_ros.model.derived import initial_text, type_name
 from ladder_ros.model.program import Body, CallKind, Composite, Pou, Program, Rung, RunKind
+from ladder_ros.model.st import Statement
+from ladder_ros.model.st_printing import print_statements
 
 MAX_CELLS = 200_000
 """Grid cells of the largest rung that is drawn; what is larger is listed instead."""
@@ -88,7 +90,21 @@ def draw_rung(
     lines = str(_drawn(sketch, layout, glyphs)).split('\n')
     if style.grid:
         lines = _numbered(lines, layout)
-    return '\n'.join([header, *lines, *(f'  {note}' for note in sketch.notes)])
+    return '\n'.join([header, *lines, *(f'  {note}' for note in sketch.notes),
+                      *_inner_texts(rung, glyphs)])
+
+
+def _inner_texts(rung: Rung, glyphs: Glyphs) -> Iterator[str]:
+    """Yield the statements of the boxes that hold some."""
+    for component in rung.components:
+        if isinstance(component, Block) and component.statements:
+            yield f'  {printable(component.id, glyphs)} {printable(component.type, glyphs)}:'
+            yield from _text(component.statements, glyphs)
+
+
+def _text(statements: Sequence[Statement], glyphs: Glyphs) -> Iterator[str]:
+    """Yield statements as lines that stand below a header."""
+    return (f'    {printable(line, glyphs)}' for line in print_statements(statements))
 
 
 def draw_program(program: Program, pou: str | None = None, style: Style | None = None) -> str:
@@ -113,6 +129,10 @@ def draw_program(program: Program, pou: str | None = None, style: Style | None =
         aligned = replace(style, width=max(style.width, widest))
         parts.append(_pou_header(one, style.glyphs, program.dialect != 'native'))
         parts += [draw_rung(rung, composites, aligned) for rung in one.rungs]
+        if one.unsupported:
+            parts.append(f'    cannot run: {printable(one.unsupported, style.glyphs)}')
+        elif one.statements:
+            parts.append('\n'.join(_text(one.statements, style.glyphs)))
     return '\n\n'.join(parts) + '\n'
 
 

@@ -24,6 +24,8 @@ from ladder_ros.model.component import (
     ContactKind,
     Instance,
     InVariable,
+    Jump,
+    Label,
     OutVariable,
     Row,
 )
@@ -116,6 +118,11 @@ def shape_of(component: Component, context: ShapeContext) -> Shape | None:
             return _instance(component, context)
         case InVariable() | OutVariable():
             return Symbol(picture='───', label=_label(component.operand, context))
+        case Jump():
+            return Symbol(picture='/>>' if component.negated else ' >>',
+                          label=_label(component.label or 'RETURN', context))
+        case Label():
+            return Symbol(picture='   ', label=_label(f'{component.label}:', context))
         case _:
             assert_never(component)
 

@@ -240,7 +240,40 @@ class OutVariable:
     location: Location = Location()
 
 
-Component = Contact | Coil | Row | Column | Block | Instance | InVariable | OutVariable
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Jump:
+    """Imported drawings: go on at a label once the network is evaluated, if power is TRUE.
+
+    Without a label it leaves the POU: a return (IEC 61131-3, table 73).  ``at_once`` is that of a
+    drawing that numbers its elements: what has a higher number is not evaluated any more.
+    """
+
+    id: str
+    placement: Placement
+    label: str = ''
+    negated: bool = False
+    at_once: bool = False
+    name: str = ''
+    comment: str = ''
+    specification: str = ''
+    location: Location = Location()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Label:
+    """Imported drawings: the name of the network that it stands at, for jumps."""
+
+    id: str
+    placement: Placement
+    label: str
+    name: str = ''
+    comment: str = ''
+    specification: str = ''
+    location: Location = Location()
+
+
+Component = (
+    Contact | Coil | Row | Column | Block | Instance | InVariable | OutVariable | Jump | Label)
 
 
 class InterfaceKind(Enum):

@@ -149,6 +149,8 @@ class Composite:
     """Declared function block instances, (name, type), of an imported POU."""
     category: str = ''
     specification: str = ''
+    library: str = ''
+    """The library file that it is used from, as the program names it; empty: the program's own."""
     location: Location = Location()
 
 
@@ -192,12 +194,29 @@ class Task:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Use:
+    """A library file whose composites a program uses.
+
+    ``library`` is its path with slashes, relative to the program's folder or a library folder;
+    ``sha256`` is the beginning of its hash (16 hexadecimal digits or more): its version.
+    """
+
+    library: str
+    sha256: str
+    location: Location = Location()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Program:
-    """A program file as read: nothing in it is resolved or flattened yet."""
+    """A program file as read: nothing in it is resolved or flattened yet.
+
+    Without bodies, variables and tasks it is a library: composites for other programs to use.
+    """
 
     name: str
     bodies: tuple[Body, ...]
     composites: tuple[Composite, ...] = ()
+    uses: tuple[Use, ...] = ()
     variables: tuple[Variable, ...] = ()
     tasks: tuple[Task, ...] = ()
     blocks: tuple[tuple[str, str], ...] = ()
@@ -214,6 +233,11 @@ class Program:
     """Where the program comes from: native, beremiz, openplc, codesys ..."""
     specification: str = ''
     location: Location = Location()
+
+    @property
+    def is_library(self) -> bool:
+        """Whether it holds composites and nothing that runs."""
+        return bool(self.composites) and not (self.bodies or self.variables or self.tasks)
 
 
 Pou = Body | Composite

@@ -162,6 +162,13 @@ class ExitStatement:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ContinueStatement:
+    """Go on with the next round of the innermost loop."""
+
+    location: Location = Location()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ReturnStatement:
     """Leave the POU."""
 
@@ -170,4 +177,4 @@ class ReturnStatement:
 
 Statement = (
     Assignment | CallStatement | IfStatement | CaseStatement | ForStatement | WhileStatement
-    | RepeatStatement | ExitStatement | ReturnStatement)
+    | RepeatStatement | ExitStatement | ContinueStatement | ReturnStatement)

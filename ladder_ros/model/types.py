@@ -71,6 +71,12 @@ TIME_RANGE = (-(1 << 63), (1 << 63) - 1)
 """TIME is a signed 64-bit count of nanoseconds."""
 
 
+def normal_address(text: str) -> str:
+    """Return a located address as one spelling: ``%q0.0`` is ``%QX0.0`` (IEC 61131-3, 6.5.5)."""
+    address = text.upper()
+    return f'{address[:2]}X{address[2:]}' if address[2:3].isdigit() else address
+
+
 def default_value(type_: DataType) -> Value:
     """Return the initial value of a variable that is given none (IEC 61131-3, table 13)."""
     if type_ is DataType.BOOL:

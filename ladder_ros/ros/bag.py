@@ -10,6 +10,7 @@ scan that is not before it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 import re
@@ -20,10 +21,13 @@ import yaml
 from ladder_ros.diagnostics import has_errors, LadderError, Location
 from ladder_ros.executable import Executable
 from ladder_ros.model.types import Value
-from ladder_ros.ros.io_map import IoMap, resolve_io
+from ladder_ros.ros.fields import Array, FieldType, Nested, Scalar, Schema, UnknownMessage
+from ladder_ros.ros.io_map import resolve_io
+from ladder_ros.ros.io_points import IoMap
 from ladder_ros.ros.parameters import read_settings, Settings
-from ladder_ros.ros.reception import Input, Reception, Source, Write
-from ladder_ros.session import InputTable
+from ladder_ros.ros.reception import Input, Reception, Source, Store
+from ladder_ros.ros.rules import did_you_mean
+from ladder_ros.session import InputTable, Write
 
 SUFFIXES = ('.db3', '.mcap')
 NODE = '/plc_node'
@@ -32,7 +36,7 @@ NO_READER = "reading recordings of topics needs a package: pip install 'ladder_r
 _TOPIC = re.compile(r'(?!.*//)(?!.*__)[A-Za-z_/][A-Za-z0-9_/]*(?<!/)')
 
 Message = tuple[int, str, Any]
-"""Time in ns since the recording's start, topic, and field ``data``."""
+"""Time in ns since the recording's start, topic, and the message."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,10 +73,12 @@ def play(
     """
     settings = _settings(parameters, node)
     interval_ns = settings.scan_period or interval_ns
-    io_map = resolve_io(
-        executable, settings.io, lambda topic: resolve_topic(topic, node), strict=True)
-    wanted = {point.endpoint.full_topic: point.endpoint.message for point in io_map.inputs}
-    messages, duration, present = _read(path, wanted)
+    with _open(path) as reader:
+        io_map = resolve_io(
+            executable, settings.io, lambda topic: resolve_topic(topic, node),
+            schema_of(_jazzy(), reader.typestore), strict=True)
+        wanted = {point.endpoint.full_topic: point.endpoint.message for point in io_map.inputs}
+        messages, duration, present = _read(path, reader, wanted)
     scans = -(-duration // interval_ns) + 1
     if scans > MAX_SCANS:
         raise _bad(path, f'it has {scans} scans of {interval_ns / 1e6:g} ms',
@@ -139,41 +145,76 @@ def _flat(section: Any, prefix: str = '') -> dict[str, Any]:
 
 # Recordings
 
-def _read(path: Path, wanted: dict[str, str]) -> tuple[list[Message], int, tuple[str, ...]]:
-    """Return the messages on the wanted topics, the duration in ns, and the topics found."""
+@contextmanager
+def _open(path: Path) -> Iterator[Any]:
+    """Open a recording; LadderError for all that goes wrong with it."""
     try:
         from rosbags.highlevel import AnyReader
-        from rosbags.typesys import get_typestore, Stores
     except ImportError:
         raise _bad(path, NO_READER, 'or replay a recording of ~/record instead') from None
     if not path.exists():
         raise _bad(path, 'there is no such file or folder', 'check the path')
     folder = path if path.is_dir() else path.parent
     try:
-        with AnyReader([folder], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as reader:
-            known = {connection.topic: connection for connection in reader.connections}
-            present = tuple(topic for topic in wanted if topic in known)
-            for topic in present:
-                kind = f'std_msgs/msg/{wanted[topic]}'
-                if known[topic].msgtype != kind:
-                    raise _bad(path, f'{topic} has messages of type {known[topic].msgtype}',
-                               f'the I/O map says {kind}')
-            if wanted and not present:
-                raise _bad(path, f'none of the mapped topics is in it ({_some(wanted)})',
-                           f'it has {_some(known)}; --params and --node tell which topics the '
-                           'program has')
-            start = reader.start_time
-            used = [item for item in reader.connections if item.topic in present]
-            messages = [
-                (time - start, connection.topic,
-                 reader.deserialize(data, connection.msgtype).data)  # type: ignore[attr-defined]
-                for connection, time, data in reader.messages(used)] if used else []
-            return messages, max(reader.end_time - 1 - start, 0), present
+        with AnyReader([folder], default_typestore=_jazzy()) as reader:
+            yield reader
     except LadderError:
         raise
     except Exception as error:  # the library's own, and those of the database below it
         raise _bad(path, ' '.join(str(error).split()) or type(error).__name__,
                    'name the folder of a rosbag2 recording') from None
+
+
+def _jazzy() -> Any:
+    from rosbags.typesys import get_typestore, Stores
+    return get_typestore(Stores.ROS2_JAZZY)
+
+
+def schema_of(*stores: Any) -> Schema:
+    """Return the message types of type stores; the last one that has a type counts."""
+    known = {name: fields for store in stores for name, (_, fields) in store.fielddefs.items()}
+    kinds = {'byte': 'octet', 'char': 'uint8'}
+
+    def described(node: Any) -> FieldType:
+        tag, content = node
+        if tag.name == 'BASE':
+            kind, bound = content
+            return Scalar(kind=kinds.get(kind, kind), bound=bound)
+        if tag.name == 'NAME':
+            return Nested(message=content)
+        element = described(content[0])
+        assert not isinstance(element, Array)
+        return Array(element=element, size=content[1], fixed=tag.name == 'ARRAY')
+
+    def fields(name: str) -> dict[str, FieldType]:
+        if name not in known:
+            raise UnknownMessage(
+                f'neither ROS 2 Jazzy nor the recording has it{did_you_mean(name, known)}')
+        return {field: described(node) for field, node in known[name]}
+
+    return fields
+
+
+def _read(
+    path: Path, reader: Any, wanted: dict[str, str],
+) -> tuple[list[Message], int, tuple[str, ...]]:
+    """Return the messages on the wanted topics, the duration in ns, and the topics found."""
+    known = {connection.topic: connection for connection in reader.connections}
+    present = tuple(topic for topic in wanted if topic in known)
+    for topic in present:
+        if known[topic].msgtype != wanted[topic]:
+            raise _bad(path, f'{topic} has messages of type {known[topic].msgtype}',
+                       f'the I/O map says {wanted[topic]}')
+    if wanted and not present:
+        raise _bad(path, f'none of the mapped topics is in it ({_some(wanted)})',
+                   f'it has {_some(known)}; --params and --node tell which topics the '
+                   'program has')
+    start = reader.start_time
+    used = [item for item in reader.connections if item.topic in present]
+    messages = [
+        (time - start, connection.topic, reader.deserialize(data, connection.msgtype))
+        for connection, time, data in reader.messages(used)] if used else []
+    return messages, max(reader.end_time - 1 - start, 0), present
 
 
 def _some(names: Iterable[str], limit: int = 6) -> str:
@@ -192,16 +233,14 @@ class _Pending:
         self._later: dict[int, Value] = {}
         self._last: dict[int, Value] = {}
 
-    def write(
-        self, index: int, value: Value, *, catch_pulse: bool = False,
-        of: Executable | None = None,
-    ) -> None:
-        waiting = self._next.get(index, value)
-        if catch_pulse and waiting != value and waiting != self._last.get(index):
-            self._later[index] = value
-        else:
-            self._next[index] = value
-            self._later.pop(index, None)
+    def write(self, values: Iterable[Write], *, of: Executable | None = None) -> None:
+        for index, value, catch_pulse in values:
+            waiting = self._next.get(index, value)
+            if catch_pulse and waiting != value and waiting != self._last.get(index):
+                self._later[index] = value
+            else:
+                self._next[index] = value
+                self._later.pop(index, None)
 
     def take(self) -> tuple[tuple[int, Value], ...]:
         taken, self._next, self._later = self._next, self._later, {}
@@ -215,13 +254,18 @@ class _Inputs:
     def __init__(self, executable: Executable, io_map: IoMap) -> None:
         self._executable = executable
         self._pending = _Pending()
-        write: Write = self._pending.write
+        store: Store = self._pending.write
         self._sources: dict[str, Source] = {}
+        self._inputs: list[Input] = []
+        fed: dict[str, list[Input]] = {}
         for point in io_map.inputs:
-            source = self._sources.setdefault(
-                point.endpoint.full_topic, Source(endpoint=point.endpoint))
-            source.inputs += (Input(point=point, state=Reception(), write=write),)
-        self._inputs = [item for source in self._sources.values() for item in source.inputs]
+            topic = point.endpoint.full_topic
+            source = self._sources.setdefault(topic, Source(point.endpoint))
+            item = Input(point=point, state=Reception(lock=source.lock), store=store)
+            self._inputs.append(item)
+            fed.setdefault(topic, []).append(item)
+        for topic, inputs in fed.items():
+            self._sources[topic].feed(inputs)
 
     def rows(
         self, messages: list[Message], scans: int, interval_ns: int,

@@ -14,22 +14,25 @@ back between two scans without a single entity being made.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Container, Iterable, Sequence
+from dataclasses import dataclass
 from functools import partial
+from operator import itemgetter
 import time
 from typing import Any
 
 from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.qos import DurabilityPolicy, qos_policy_name_from_kind, QoSProfile, ReliabilityPolicy
-import std_msgs.msg
 
 from ladder_ros.executable import Executable
 from ladder_ros.model.types import Value
-from ladder_ros.ros.io_map import Endpoint, InputPoint, IoMap, OutputPoint
-from ladder_ros.ros.reception import Input, NOTHING, Reception, Source, Write
+from ladder_ros.ros.io_points import Endpoint, InputPoint, IoMap, OutputPoint
+from ladder_ros.ros.message_types import message_class, new_message
+from ladder_ros.ros.publications import Channel, Publication
+from ladder_ros.ros.reception import Input, NOTHING, Reception, Source, Store
 
+_NO_MAP = IoMap()
 DELIVERY_SECONDS = 0.5
 """So long a publisher is kept for its last values to reach those who listen."""
 
@@ -44,65 +47,42 @@ def make_qos(endpoint: Endpoint) -> QoSProfile:
         durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE)
 
 
-@dataclass(slots=True, eq=False, kw_only=True)
-class Channel:
-    """A publisher; ``sent`` is the value that the topic has now."""
-
-    publisher: Any
-    message: Any
-    sent: Any = NOTHING
-    count: int = 0
-    saturated: int = 0
-    failed: int = 0
-    error: str = ''
-
-
-@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Output:
-    """One variable on its publisher."""
-
-    point: OutputPoint
-    channel: Channel
-
-    def publish(self, value: Value) -> None:
-        """Publish a value; what goes wrong is noted and keeps no other output from being sent."""
-        channel = self.channel
-        channel.sent = value
-        data, fits = self.point.conversion.encode(value)
-        channel.saturated += not fits
-        try:
-            channel.message.data = data
-            channel.publisher.publish(channel.message)
-            channel.count += 1
-        except Exception as error:  # nothing may get out into the scan thread
-            channel.failed += 1
-            channel.error = f'{type(error).__name__}: {error}'
-
-    def is_due(self, value: Value) -> bool:
-        """Say whether the value is to be published after a scan."""
-        sent = self.channel.sent
-        # The second comparison keeps a NaN from being sent in every scan.
-        return self.point.every_scan or (value != sent and (value == value or sent == sent))
-
-
 InputKey = tuple[Endpoint, str]
 """What makes two programs' inputs the same one: the endpoint, and ``path:type``."""
 
 
-@dataclass(slots=True, eq=False, kw_only=True)
+RosTime = Callable[['int | None'], int]
+"""ROS time in ns of the scan at a scan time, or of the present."""
+
+
 class Plan:
     """All bindings of one executable."""
 
-    executable: Executable | None = None
-    sources: dict[Endpoint, Source] = field(default_factory=dict)
-    inputs: dict[InputKey, Input] = field(default_factory=dict)
-    outputs: dict[Endpoint, Output] = field(default_factory=dict)
-    watched: tuple[Input, ...] = ()
-    begun: bool = False
+    def __init__(self, executable: Executable | None = None, io_map: IoMap = _NO_MAP) -> None:
+        """Start without entities."""
+        self.executable = executable
+        self.sources: dict[Endpoint, Source] = {}
+        self.inputs: dict[InputKey, Input] = {}
+        self.publications: dict[Endpoint, Publication] = {}
+        self.watched: tuple[Input, ...] = ()
+        self.begun = False
+        self.outputs = len(io_map.outputs)
+        """How many variables go out."""
+        self.seen: object = NOTHING
+        """The outputs after the last scan; NOTHING if something else than they has been sent."""
+        indices = [point.slot.index for point in io_map.outputs]
+        self.pick: Callable[[Sequence[Value]], object] = \
+            itemgetter(*indices) if indices else lambda _values: None
+        self.every_scan = any(point.every_scan for point in io_map.outputs)
+
+    @property
+    def is_stamped(self) -> bool:
+        """Whether a message has a stamp."""
+        return any(publication.is_stamped for publication in self.publications.values())
 
     def entities(self) -> set[Endpoint]:
         """Return the endpoints that have a publisher or subscription."""
-        return {*self.sources, *self.outputs}
+        return {*self.sources, *self.publications}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,11 +105,14 @@ class Bindings:
     gives up what was prepared.
     """
 
-    def __init__(self, node: Any, write: Write, warn: Callable[[str], None]) -> None:
+    def __init__(
+        self, node: Any, store: Store, warn: Callable[[str], None], ros_time: RosTime,
+    ) -> None:
         """Start without any; ``warn`` gets sentences for the log."""
         self._node = node
-        self._write = write
+        self._store = store
         self._warn = warn
+        self._ros_time = ros_time
         self._plan = Plan()
         self._plans: dict[int, Plan] = {}
         self._settled: set[Endpoint] = set()
@@ -150,13 +133,17 @@ class Bindings:
         """
         if id(executable) in self._plans:
             return self._plans[id(executable)]
-        plan = Plan(executable=executable)
+        plan = Plan(executable, io_map)
+        messages: dict[Endpoint, list[OutputPoint]] = {}
+        for output in io_map.outputs:
+            messages.setdefault(output.endpoint, []).append(output)
+        store = partial(self._store, of=executable)
         try:
             for point in io_map.inputs:
-                self._add_input(plan, point, partial(self._write, of=executable))
-            for output in io_map.outputs:
-                plan.outputs[output.endpoint] = Output(
-                    point=output, channel=self._channel(output.endpoint))
+                self._add_input(plan, point, store)
+            for endpoint, outputs in messages.items():
+                plan.publications[endpoint] = Publication(
+                    outputs, self._channel(endpoint), new_message)
         except Exception:
             self._destroy([plan])
             raise
@@ -176,10 +163,12 @@ class Bindings:
             return
         before, self._plan = self._plan, plan
         plan.begun = False
+        plan.seen = NOTHING
         for item in plan.inputs.values():
             item.enter()
-        self._publish_safe(
-            output for endpoint, output in before.outputs.items() if endpoint not in plan.outputs)
+        for endpoint, publication in plan.publications.items():
+            publication.enter(before.publications.get(endpoint))
+        self._publish_safe(before, but=plan.publications)
 
     def settle(self, *wanted: Executable) -> Changes:
         """Forget all plans but the present one and those of ``wanted`` (callback thread).
@@ -214,7 +203,7 @@ class Bindings:
                     taken = subscription.handle.take_message(subscription.msg_type, False)
                     if taken is None:
                         break
-                    source.receive(taken[0].data)
+                    source.receive(taken[0])
 
     # After each scan (scan thread)
 
@@ -223,10 +212,12 @@ class Bindings:
         plan = self._plans.get(id(executable))
         if plan is None:
             return
-        for output in plan.outputs.values():
-            value = values[output.point.slot.index]
-            if output.is_due(value):
-                output.publish(value)
+        outputs = plan.pick(values)
+        if outputs != plan.seen or plan.every_scan:
+            plan.seen = outputs
+            stamp = self._stamp(plan, now)
+            for publication in plan.publications.values():
+                publication.after_scan(values, stamp)
         if not plan.begun:
             plan.begun = True
             for item in plan.inputs.values():
@@ -244,32 +235,35 @@ class Bindings:
 
     def publish_safe(self) -> None:
         """Publish the safe values; the next scan publishes what differs from them again."""
-        self._publish_safe(self._plan.outputs.values())
+        self._publish_safe(self._plan)
 
     def wait_for_delivery(self) -> None:
         """Give the middleware time to hand over the safe values."""
-        self._wait_for_delivery(self._plan.outputs.values())
+        self._wait_for_delivery(self._plan.publications.values())
 
     # Helpers
 
-    def _wait_for_delivery(self, outputs: Iterable[Output]) -> None:
+    def _wait_for_delivery(self, publications: Iterable[Publication]) -> None:
         deadline = time.monotonic() + DELIVERY_SECONDS
-        for output in outputs:
-            if output.point.safe is None or output.point.endpoint.qos == 'sensor_data':
+        for publication in publications:
+            if not publication.has_safe_values or publication.endpoint.qos == 'sensor_data':
                 continue
             left = max(deadline - time.monotonic(), 0.001)
             try:
-                output.channel.publisher.wait_for_all_acked(Duration(seconds=left))
+                publication.channel.publisher.wait_for_all_acked(Duration(seconds=left))
             except Exception as error:  # not every middleware can; nothing is lost by it
                 self._warn(f'cannot wait for delivery: {error}')
                 return
 
-    @staticmethod
-    def _publish_safe(outputs: Iterable[Output]) -> None:
-        for output in outputs:
-            safe = output.point.safe
-            if safe is not None and output.channel.sent != safe:
-                output.publish(safe)
+    def _publish_safe(self, plan: Plan, but: Container[Endpoint] = ()) -> None:
+        plan.seen = NOTHING
+        stamp = self._stamp(plan, None)
+        for endpoint, publication in plan.publications.items():
+            if endpoint not in but:
+                publication.publish_safe(stamp)
+
+    def _stamp(self, plan: Plan, now: int | None) -> int:
+        return self._ros_time(now) if plan.is_stamped else 0
 
     def _sources(self) -> dict[Endpoint, Source]:
         """Return the subscriptions of all plans."""
@@ -287,9 +281,9 @@ class Bindings:
             for (endpoint, name), item in plan.inputs.items():
                 fed.setdefault(endpoint, {})[name] = item
         for endpoint, source in self._sources().items():
-            source.inputs = tuple(fed[endpoint].values())
+            source.feed(fed[endpoint].values())
 
-    def _add_input(self, plan: Plan, point: InputPoint, write: Write) -> None:
+    def _add_input(self, plan: Plan, point: InputPoint, store: Store) -> None:
         endpoint = point.endpoint
         source = plan.sources.get(endpoint) or self._sources().get(endpoint)
         if source is None:
@@ -299,30 +293,29 @@ class Bindings:
         known = next((other.inputs[key] for other in self._plans.values() if key in other.inputs),
                      None)
         plan.inputs[key] = Input(
-            point=point, state=known.state if known else Reception(), write=write)
+            point=point, state=known.state if known else Reception(lock=source.lock), store=store)
         if source.last is not NOTHING:  # nobody may send it again
             plan.inputs[key].recall(source.last)
 
     def _subscribe(self, endpoint: Endpoint) -> Source:
-        source = Source(endpoint=endpoint)
+        source = Source(endpoint)
         events = SubscriptionEventCallbacks(
             incompatible_qos=lambda event: self._mismatch(endpoint, event))
         source.subscription = self._node.create_subscription(
-            getattr(std_msgs.msg, endpoint.message), endpoint.topic,
-            lambda message: source.receive(message.data),
+            message_class(endpoint.message), endpoint.topic, source.receive,
             make_qos(endpoint), event_callbacks=events)
         return source
 
     def _channel(self, endpoint: Endpoint) -> Channel:
         for plan in self._plans.values():
-            if endpoint in plan.outputs:
-                return plan.outputs[endpoint].channel
-        message = getattr(std_msgs.msg, endpoint.message)
+            if endpoint in plan.publications:
+                return plan.publications[endpoint].channel
         events = PublisherEventCallbacks(
             incompatible_qos=lambda event: self._mismatch(endpoint, event))
         publisher = self._node.create_publisher(
-            message, endpoint.topic, make_qos(endpoint), event_callbacks=events)
-        return Channel(publisher=publisher, message=message())
+            message_class(endpoint.message), endpoint.topic, make_qos(endpoint),
+            event_callbacks=events)
+        return Channel(publisher=publisher, message=new_message(endpoint.message))
 
     def _mismatch(self, endpoint: Endpoint, event: Any) -> None:
         policy = str(qos_policy_name_from_kind(event.last_policy_kind)).lower()
@@ -342,15 +335,16 @@ class Bindings:
         """Destroy the entities of plans that no present plan uses."""
         used = self._used()
         self._wait_for_delivery(  # safe values are lost with their publishers otherwise
-            output for plan in dropped for endpoint, output in plan.outputs.items()
-            if endpoint not in used)
+            publication for plan in dropped
+            for endpoint, publication in plan.publications.items() if endpoint not in used)
         for plan in dropped:
             for endpoint in plan.entities() - used:
                 used.add(endpoint)  # another dropped plan may have it too
                 if endpoint in plan.sources:
                     self._node.destroy_subscription(plan.sources[endpoint].subscription)
                 else:
-                    self._node.destroy_publisher(plan.outputs[endpoint].channel.publisher)
+                    self._node.destroy_publisher(
+                        plan.publications[endpoint].channel.publisher)
 
 
 def _changes(before: set[Endpoint], after: set[Endpoint]) -> Changes:

@@ -16,9 +16,10 @@ from typing import Any
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.executable import Executable
 from ladder_ros.model.types import NS_PER_S, Value
-from ladder_ros.ros.bindings import Bindings, Changes
+from ladder_ros.ros.bindings import Bindings, Changes, RosTime
 from ladder_ros.ros.loading import Loader, Prepared
-from ladder_ros.ros.parameters import parameter_place, Settings
+from ladder_ros.ros.parameters import Settings
+from ladder_ros.ros.rules import parameter_place
 from ladder_ros.session import (
     Change,
     ControllerState,
@@ -26,6 +27,7 @@ from ladder_ros.session import (
     find_slot,
     Loaded,
     parse_value,
+    Requirement,
     ScanResult,
     Session,
 )
@@ -39,10 +41,11 @@ class Cell:
 
     def __init__(
         self, node: Any, session: Session, settings: Settings, warn: Any, resolve_topic: Any,
+        ros_time: RosTime,
     ) -> None:
         """Make an empty cell; ``warn`` gets sentences, ``resolve_topic`` as in ``resolve_io``."""
         self.session = session
-        self.bindings = Bindings(node, session.write_slot, warn)
+        self.bindings = Bindings(node, session.write_slots, warn, ros_time)
         self.loader = Loader(settings.io, resolve_topic, self.bindings.poll)
         self._backend = settings.backend
         self._candidate: Prepared | None = None
@@ -80,7 +83,13 @@ class Cell:
 
         Raises LadderError.
         """
-        return self.loader.prepare(path, self._compile, strict=strict)
+        return self.loader.prepare(path, self._successor, strict=strict)
+
+    def _successor(self, path: str) -> Loaded:
+        """Compile a program that is to be changed to at once, if what is required is proved."""
+        loaded = self._compile(path)
+        self.session.assurance.check(self.session.loaded, loaded)
+        return loaded
 
     def _compile(self, path: str) -> Loaded:
         return self.session.prepare(path, self._backend)
@@ -145,6 +154,11 @@ class Cell:
             verdict['error'] = '; '.join(
                 str(item['text']) for item in refusal) if isinstance(refusal, list) else ''
         return verdict
+
+    def require(self, name: str) -> None:
+        """Set what a change needs; the next test begins with a preflight."""
+        self.session.assurance.requirement = Requirement(name)
+        self.forget_candidate()
 
     def forget_candidate(self) -> None:
         """Let the next test begin with a preflight."""

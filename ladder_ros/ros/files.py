@@ -9,7 +9,8 @@ import os
 from pathlib import Path
 
 from ladder_ros.diagnostics import LadderError
-from ladder_ros.ros.parameters import AUTO, parameter_place
+from ladder_ros.ros.parameters import AUTO
+from ladder_ros.ros.rules import parameter_place
 
 SUFFIX = '.ladder-trace'
 

@@ -20,7 +20,8 @@ from rcl_interfaces.msg import (
 from rclpy.parameter import Parameter
 
 from ladder_ros.diagnostics import has_errors, LadderError, render
-from ladder_ros.ros.parameters import check_parameter, Declaration, declare, RULES
+from ladder_ros.ros.parameters import check_parameter, declare, RULES
+from ladder_ros.ros.rules import Declaration
 
 LIVE = frozenset(rule.name for rule in RULES if not rule.read_only)
 

@@ -12,8 +12,10 @@ import time
 from typing import TypeVar
 
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location
-from ladder_ros.ros.io_map import IoMap, resolve_io, ResolveTopic
-from ladder_ros.ros.parameters import IoEntry
+from ladder_ros.ros.io_entries import IoEntry
+from ladder_ros.ros.io_map import resolve_io, ResolveTopic
+from ladder_ros.ros.io_points import IoMap
+from ladder_ros.ros.message_types import installed_fields
 from ladder_ros.session import Loaded
 
 LOAD_SECONDS = 90.0
@@ -61,7 +63,9 @@ class Loader:
 
     def check_io(self, path: Path, loaded: Loaded, *, strict: bool) -> Prepared:
         """Check the I/O map of a compiled program.  Raises LadderError."""
-        io_map = resolve_io(loaded.executable, self._entries, self._resolve_topic, strict=strict)
+        io_map = resolve_io(
+            loaded.executable, self._entries, self._resolve_topic, installed_fields,
+            strict=strict)
         return Prepared(path=path, loaded=loaded, io_map=io_map)
 
     def in_background(self, work: Callable[[], _T], name: str) -> _T:

@@ -19,7 +19,7 @@ from std_msgs.msg import String
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import ComponentEntry, Executable
 from ladder_ros.model.types import NS_PER_MS, Value
-from ladder_ros.ros.parameters import did_you_mean, parameter_place
+from ladder_ros.ros.rules import did_you_mean, parameter_place
 from ladder_ros.ros.status import LATCHED
 from ladder_ros.session import find_slot, format_value, ScanResult, Session
 
@@ -57,9 +57,23 @@ def _drawing(path: str) -> str:
     return path.rsplit('/', 2)[0]
 
 
+def instances(executable: Executable) -> dict[str, str]:
+    """Return the places of the instances that are executed as a whole, by their paths."""
+    found = sorted(
+        (component for component in executable.components
+         if component.kind.startswith('instance ')), key=lambda item: item.path.count('/'))
+    names: dict[str, str] = {}
+    for component in found:
+        above = names.get(_drawing(component.path))
+        name = component.kind.split()[1]
+        names[component.path] = f'{above}.{name}' if above else name
+    return {name: place for place, name in names.items()}
+
+
 def view(executable: Executable, pou: str) -> View:
     """Choose a drawing; the first body if ``pou`` is empty.  Raises LadderError L0604."""
-    known = drawings(executable)
+    named = instances(executable)
+    known = (*drawings(executable), *named)
     cyclic = [entry.name for entry in executable.entries if not entry.once]
     wanted = pou or next(iter(cyclic or known), '')
     name = next((name for name in known if name.casefold() == wanted.casefold()), None)
@@ -67,6 +81,7 @@ def view(executable: Executable, pou: str) -> View:
         raise LadderError.of(
             'L0604', parameter_place('monitor.pou'), pou, name='monitor.pou',
             expected=f'the program has {", ".join(known[:6])}{did_you_mean(pou, known)}')
+    name = named.get(name, name)
     components = tuple(
         component for component in executable.components if _drawing(component.path) == name)
     slots = dict.fromkeys(index for component in components for index in component.slots)

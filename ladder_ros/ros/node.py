@@ -17,7 +17,8 @@ from types import FrameType
 
 from ladder_ros import __version__
 from ladder_ros.diagnostics import has_errors, InternalError, LadderError, render
-from ladder_ros.ros.parameters import IO_RULES, read_settings, RULES
+from ladder_ros.ros.io_entries import IO_RULES, PACKED_RULES
+from ladder_ros.ros.parameters import read_settings, RULES
 from ladder_ros.ros.reasons import reason_of
 
 USAGE = """\
@@ -45,6 +46,9 @@ def usage() -> str:
     lines += [_entry(rule.name, 24, rule.description) for rule in RULES]
     lines += ['', 'the I/O map, one entry a variable:']
     lines += [_entry(f'io.<variable>.{rule.name}', 28, rule.description) for rule in IO_RULES]
+    lines += ['', 'lists of variables that lie packed in one message:']
+    lines += [_entry(f'io_packed.<name>.{rule.name}', 28, rule.description)
+              for rule in PACKED_RULES]
     lines += ['', 'services (std_srvs/srv/Trigger): ~/reload ~/preflight ~/test ~/untest ~/accept',
               '  ~/shadow ~/end_shadow ~/start ~/stop ~/reset ~/record ~/end_record,',
               'and those of a managed node (ros2 lifecycle)',

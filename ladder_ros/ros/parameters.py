@@ -6,54 +6,30 @@ Everything is read from the overrides (YAML, ``-p``) before anything is declared
 type or a misspelt name is a sentence and not a traceback of the client library.  Pure functions
 over plain values; ``declare`` alone touches the node.
 
-The I/O map is nested as ros2_control users know it: ``io.<variable>.<key>``, one YAML file a cell.
+The I/O map is nested as ros2_control users know it: ``io.<variable>.<key>``, one YAML file a cell
+(:mod:`ladder_ros.ros.io_entries`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-import difflib
-import math
 from typing import Any
 
-from ladder_ros.diagnostics import Diagnostic, Location, problem
+from ladder_ros.diagnostics import Diagnostic, problem
 from ladder_ros.model.types import NS_PER_S
-from ladder_ros.session import BACKENDS, DEFAULT_BACKEND
+from ladder_ros.ros.io_entries import IO_PREFIX, IoEntry, PACKED_PREFIX, read_entries
+from ladder_ros.ros.rules import checked, Declaration, did_you_mean, parameter_place, Rule
+from ladder_ros.session import BACKENDS, DEFAULT_BACKEND, Requirement
 
-Raw = bool | int | float | str
-"""A scalar as it stands in a parameter file."""
-
-IO_PREFIX = 'io'
-CHANGE_PREFIX = 'change'
-MONITOR_PREFIX = 'monitor'
-QOS_NAMES = ('default', 'sensor_data', 'latched')
-PUBLISH_NAMES = ('change', 'scan')
 START_NAMES = ('warm', 'cold')
 RESET_NAMES = ('cold', 'warm', 'origin')
 WATCH_NAMES = ('outputs', 'all')
+REQUIRE_NAMES = tuple(requirement.value for requirement in Requirement)
 AUTO = 'auto'
 
 # Names that every node has, or that belong to the middleware; no warning for these.
 FOREIGN = ('use_sim_time', 'start_type_description_service', 'qos_overrides', 'diagnostic_updater')
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Rule:
-    """What one parameter may be: its Python type, default, range or choices, and description.
-
-    ``least`` is the smallest number allowed but for 0, where 0 has a meaning of its own.
-    """
-
-    name: str
-    kind: type
-    default: Any
-    description: str
-    low: float | None = None
-    high: float | None = None
-    least: float = 0.0
-    choices: tuple[str, ...] = ()
-    read_only: bool = True
 
 
 RULES: tuple[Rule, ...] = (
@@ -92,9 +68,14 @@ RULES: tuple[Rule, ...] = (
              'A program in test, or run as a shadow, is taken back after more overruns.')),
     Rule(name='change.shadow_watch', kind=str, default='outputs', choices=WATCH_NAMES,
          read_only=False, description='What a shadow run compares: outputs, or all variables.'),
+    Rule(name='change.require', kind=str, default='nothing', choices=REQUIRE_NAMES,
+         read_only=False, description=(
+             'What a change of the program needs. report: ~/preflight says whether the candidate '
+             'is proved to behave like the running program; equivalent: else it is refused. '
+             'Proofs need the Python package z3-solver.')),
     Rule(name='monitor.pou', kind=str, default='', read_only=False, description=(
-        'What ~/monitor shows: a body by its name, or an instance of a composite by its place '
-        '(main/3/i1); empty: the first body.')),
+        'What ~/monitor shows: a body by its name, an instance of an enabled composite by its '
+        'path (door.opening), any instance by its place (main/3/i1); empty: the first body.')),
     Rule(name='monitor.rate', kind=float, default=5.0, low=0.1, high=50.0, read_only=False,
          description='Messages a second on ~/monitor while someone listens.'),
     Rule(name='retain_file', kind=str, default=AUTO, description=(
@@ -109,60 +90,6 @@ RULES: tuple[Rule, ...] = (
         'the start, recording begins with the first scan.')),
 )
 """The parameters but for the I/O map, in the order they are shown."""
-
-IO_RULES: tuple[Rule, ...] = (
-    Rule(name='topic', kind=str, default='', description=(
-        'The topic of the variable; relative, ~/private or /absolute. Default: ~/<variable>.')),
-    Rule(name='type', kind=str, default='', description=(
-        'The message type, for example std_msgs/msg/Bool. Default: the one of the data type.')),
-    Rule(name='qos', kind=str, default='default', choices=QOS_NAMES, description=(
-        'default: reliable, depth 1, outputs latched (transient local); sensor_data: best effort; '
-        'latched: an input also gets the last message sent before it started.')),
-    Rule(name='publish', kind=str, default='change', choices=PUBLISH_NAMES, description=(
-        'Outputs: publish when the value changes, or after every scan.')),
-    Rule(name='timeout', kind=float, default=0.0, low=0.0, high=86400.0, description=(
-        'Inputs: seconds without a message after which the input is stale; 0: never.')),
-    Rule(name='fallback', kind=object, default=None, description=(
-        'Inputs: the value while the input is stale. Default: the last value received.')),
-    Rule(name='stale', kind=str, default='', description=(
-        'Inputs: a BOOL variable of the program that is TRUE while this input is stale.')),
-    Rule(name='safe', kind=object, default=None, description=(
-        'Outputs: the value published on stop, fault and shutdown. Default: the last one stays.')),
-    Rule(name='catch_pulse', kind=bool, default=False, description=(
-        'BOOL inputs: a pulse shorter than a scan is seen for one scan.')),
-)
-"""The keys of an entry of the I/O map, ``io.<variable>.<key>``."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class IoEntry:
-    """What the user says of one variable; fields as in ``IO_RULES``, ``timeout`` in ns.
-
-    ``given`` are the keys the user wrote; ``fallback`` and ``safe`` are raw until the variable's
-    type is known.
-    """
-
-    variable: str
-    given: frozenset[str]
-    topic: str = ''
-    type: str = ''
-    qos: str = 'default'
-    publish: str = 'change'
-    timeout: int = 0
-    fallback: Raw | None = None
-    stale: str = ''
-    safe: Raw | None = None
-    catch_pulse: bool = False
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Declaration:
-    """A parameter to be declared: its checked value and the rule behind it."""
-
-    name: str
-    value: Any
-    rule: Rule
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
@@ -184,11 +111,6 @@ class Settings:
     declarations: tuple[Declaration, ...]
 
 
-def parameter_place(name: str) -> Location:
-    """Return the place of a mistake in a parameter."""
-    return Location(file=f'parameter {name}')
-
-
 def read_settings(overrides: Mapping[str, Any]) -> tuple[Settings, tuple[Diagnostic, ...]]:
     """Check the overrides of the node and return the settings with every mistake found.
 
@@ -198,11 +120,11 @@ def read_settings(overrides: Mapping[str, Any]) -> tuple[Settings, tuple[Diagnos
     values: dict[str, Any] = {}
     declarations = []
     for rule in RULES:
-        value = _checked(rule.name, overrides[rule.name], rule, found) \
+        value = checked(rule.name, overrides[rule.name], rule, found) \
             if rule.name in overrides else rule.default
         values[rule.name] = value
         declarations.append(Declaration(name=rule.name, value=value, rule=rule))
-    entries, io_declarations = _read_io(overrides, found)
+    entries, io_declarations = read_entries(overrides, found)
     found += _unknown(overrides)
     settings = Settings(
         program=values['program'], program_folders=tuple(values['program_folders']),
@@ -218,79 +140,7 @@ def check_parameter(name: str, value: Any) -> tuple[Any, tuple[Diagnostic, ...]]
     """Check a new value of a parameter (not of the I/O map), and return it in its type."""
     found: list[Diagnostic] = []
     rule = next(rule for rule in RULES if rule.name == name)
-    return _checked(name, value, rule, found), tuple(found)
-
-
-def _read_io(
-    overrides: Mapping[str, Any], found: list[Diagnostic],
-) -> tuple[dict[str, IoEntry], list[Declaration]]:
-    rules = {rule.name: rule for rule in IO_RULES}
-    spelled: dict[str, str] = {}
-    fields: dict[str, dict[str, Any]] = {}
-    declarations = []
-    for name in sorted(overrides):
-        head, _, rest = name.partition('.')
-        if head != IO_PREFIX:
-            continue
-        variable, _, key = rest.rpartition('.')
-        if not variable or key not in rules:
-            found.append(problem(
-                'L0607', parameter_place(name), name=name, known=', '.join(rules),
-                hint=did_you_mean(key if variable else '', rules)))
-            continue
-        value = _checked(name, overrides[name], rules[key], found)
-        spelled.setdefault(variable.casefold(), variable)
-        fields.setdefault(variable.casefold(), {})[key] = value
-        declarations.append(Declaration(name=name, value=value, rule=rules[key]))
-    entries = {
-        folded: IoEntry(
-            variable=spelled[folded], given=frozenset(given),
-            **{**given, 'timeout': round(given.get('timeout', 0.0) * NS_PER_S)})
-        for folded, given in fields.items()
-    }
-    return entries, declarations
-
-
-def _checked(name: str, value: Any, rule: Rule, found: list[Diagnostic]) -> Any:
-    """Return the value in the rule's type; for a misfit add a diagnostic, return the default."""
-    expected = _expectation(rule)
-    if rule.kind is float and type(value) is int:
-        value = float(value)  # `timeout: 1` in YAML is an integer; nobody means that
-    if rule.kind is list:
-        fits = isinstance(value, Sequence) and not isinstance(value, str) and all(
-            isinstance(item, str) for item in value)
-        value = [item for item in value if item] if fits else value
-    elif rule.kind is object:
-        fits = type(value) in (bool, int, float, str)
-    else:
-        fits = type(value) is rule.kind
-    if fits and rule.kind in (float, int):
-        fits = math.isfinite(value) and (rule.low or 0.0) <= value <= (rule.high or math.inf) \
-            and not 0.0 < value < rule.least
-    if fits and rule.choices:
-        fits = value in rule.choices
-    if fits:
-        return value
-    found.append(problem(
-        'L0604', parameter_place(name), label=f'{value!r} ({type(value).__name__})',
-        name=name, expected=expected))
-    return rule.default
-
-
-def _expectation(rule: Rule) -> str:
-    if rule.choices:
-        return f'write one of {", ".join(rule.choices)}'
-    if rule.kind is float:
-        zero, low = ('0, or ', rule.least) if rule.least else ('', rule.low)
-        return f'write {zero}a number from {low:g} to {rule.high:g}, for example 0.5'
-    if rule.kind is int:
-        return f'write a whole number from {rule.low:g} to {rule.high:.0f}'
-    texts: dict[type, str] = {
-        str: 'write a text; one that looks like a number needs quotation marks',
-        bool: 'write true or false',
-        list: 'write a list of texts, for example ["/opt/cell/programs"]',
-    }
-    return texts.get(rule.kind, 'write one value: true, 5, 2.5 or a text')
+    return checked(name, value, rule, found), tuple(found)
 
 
 def _unknown(overrides: Mapping[str, Any]) -> list[Diagnostic]:
@@ -299,14 +149,8 @@ def _unknown(overrides: Mapping[str, Any]) -> list[Diagnostic]:
     return [
         problem('L0606', parameter_place(name), name=name, hint=did_you_mean(name, known))
         for name in sorted(overrides)
-        if name not in known and name.partition('.')[0] not in (IO_PREFIX, *FOREIGN)
+        if name not in known and name.partition('.')[0] not in (IO_PREFIX, PACKED_PREFIX, *FOREIGN)
     ]
-
-
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Return ``; did you mean X?`` or nothing."""
-    close = difflib.get_close_matches(name, list(known), n=1)
-    return f'; did you mean {close[0]}?' if close else ''
 
 
 def declare(

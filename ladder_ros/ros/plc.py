@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 import sys
+import time
 from typing import Any
 
 from rclpy.clock import Clock, ClockType
@@ -25,9 +26,10 @@ from ladder_ros.ros.lifecycle import Lifecycle, Phase
 from ladder_ros.ros.live import error_text, LiveParameters, shown
 from ladder_ros.ros.loading import Prepared
 from ladder_ros.ros.monitor import Monitor, view
-from ladder_ros.ros.parameters import Declaration, Settings
+from ladder_ros.ros.parameters import Settings
 from ladder_ros.ros.program_source import first_program, next_program, ProgramFolders
 from ladder_ros.ros.reasons import reason_of
+from ladder_ros.ros.rules import Declaration
 from ladder_ros.ros.services import serve
 from ladder_ros.ros.sim_clock import RosTimeClock
 from ladder_ros.ros.status import (
@@ -134,7 +136,10 @@ class Plc:
             retain_path=self._retain_file,
             retain_period_s=self._settings.values['retain_period'])
         session.add_listener(self._after_scan)
-        return Cell(self._node, session, self._settings, self._log.warning, self._resolve_topic)
+        cell = Cell(self._node, session, self._settings, self._log.warning, self._resolve_topic,
+                    self._ros_time)
+        cell.require(self._live['change.require'])
+        return cell
 
     def _make_folder(self, path: Path | None) -> None:
         """Make the folder of the retained values; what goes wrong, the first saving will say."""
@@ -322,6 +327,7 @@ class Plc:
         return {
             'program': lambda _name: self._change_program(),
             'candidate': lambda _name: self._cell.forget_candidate(),
+            'change.require': lambda name: self._cell.require(name),
             'forces': self._change_forces,
             'monitor.pou': lambda pou: self._monitor.set_pou(pou),
             'monitor.rate': lambda rate: self._monitor.set_rate(rate),
@@ -468,6 +474,13 @@ class Plc:
             return str(self._node.resolve_topic_name(topic))
         except Exception as error:  # several classes, all of them say what is wrong
             raise ValueError(reason_of(error)) from None
+
+    def _ros_time(self, now: int | None) -> int:
+        """Return ROS time in ns of the scan at ``now``, or of the present."""
+        if self._sim_clock is not None:
+            return self._sim_clock.ros_time(now)
+        present = int(self._node.get_clock().now().nanoseconds)
+        return present if now is None else present - (time.monotonic_ns() - now)
 
     def _follow_clock(self) -> RosTimeClock | None:
         """Subscribe to /clock under use_sim_time."""

@@ -17,7 +17,7 @@ from ament_index_python.packages import get_package_share_directory, PackageNotF
 
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.resources import resource_dir
-from ladder_ros.ros.parameters import parameter_place
+from ladder_ros.ros.rules import parameter_place
 
 PACKAGE = 'ladder_ros'
 

@@ -47,6 +47,13 @@ class RosTimeClock:
         """Return the time of the scan in ns, counted from the first stamp."""
         return self._now
 
+    def ros_time(self, now: int | None) -> int:
+        """Return what ``/clock`` says at a scan time, or says now; 0 before its first stamp."""
+        with self._changed:
+            if self._last is None:
+                return 0
+            return self._last if now is None else max(self._last - (self._available - now), 0)
+
     def sleep_until(self, deadline: int) -> None:
         """Sleep until ``/clock`` has come to the deadline, or someone calls ``wake``."""
         with self._changed:

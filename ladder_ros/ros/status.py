@@ -39,20 +39,27 @@ CHANGES = QoSProfile(
 
 def io_counts(plan: Plan) -> dict[str, object]:
     """Return what passed over the topics of a plan, as plain JSON data."""
-    inputs, outputs = plan.inputs.values(), plan.outputs.values()
+    inputs = plan.inputs.values()
+    channels = [publication.channel for publication in plan.publications.values()]
     return {
-        'inputs': len(plan.inputs), 'outputs': len(plan.outputs),
+        'inputs': len(plan.inputs), 'outputs': plan.outputs,
         'received': sum(item.state.received for item in inputs),
         'rejected': sum(item.state.rejected for item in inputs),
-        'sent': sum(item.channel.count for item in outputs),
-        'saturated': sum(item.channel.saturated for item in outputs),
-        'failed': sum(item.channel.failed for item in outputs),
+        'sent': sum(item.count for item in channels),
+        'saturated': sum(item.saturated for item in channels),
+        'failed': sum(item.failed for item in channels),
     }
 
 
 def stale_inputs(plan: Plan) -> list[str]:
     """Return the names of the inputs that are stale."""
     return [item.point.slot.path for item in plan.watched if item.state.stale]
+
+
+def rejected_inputs(plan: Plan) -> dict[str, str]:
+    """Return the inputs that have ignored messages, and why the last one."""
+    return {item.point.slot.path: item.state.misfit.value for item in plan.inputs.values()
+            if item.state.misfit is not None}
 
 
 class StatusPublisher:
@@ -218,12 +225,14 @@ def _io(look: _Look) -> DiagnosticStatus:
     mismatches = look.state.get('incompatible_qos') or {}
     problems = [f'{len(stale)} inputs are stale' if stale else '',
                 f'{len(mismatches)} topics have incompatible QoS' if mismatches else '',
-                f'{counts["rejected"]} messages were out of range' if counts['rejected'] else '',
+                f'{counts["rejected"]} values were not usable' if counts['rejected'] else '',
                 f'{counts["failed"]} messages could not be sent' if counts['failed'] else '']
     found = [text for text in problems if text]
     return look.task(
         'I/O', WARN if found else OK, '; '.join(found) or 'all inputs are fresh',
         {**counts, 'stale': ', '.join(stale),
+         'rejected_inputs': ', '.join(
+             f'{name} ({why})' for name, why in rejected_inputs(look.plan).items()),
          'incompatible_qos': ', '.join(f'{topic} ({policy})'
                                        for topic, policy in mismatches.items())})
 

@@ -9,18 +9,18 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import threading
 
 from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.runtime.assurance import Assurance, Requirement
 from ladder_ros.runtime.changes import Change, Loaded
 from ladder_ros.runtime.controller import Controller
 from ladder_ros.runtime.faster import speed_up
-from ladder_ros.runtime.online_change import keep_everything
 from ladder_ros.runtime.preflight import (
-    compare,
     Comparison,
     Preflight,
     Refusal,
     RefusalCode,
     Verdict,
 )
+from ladder_ros.runtime.proof_report import ProofReport
 from ladder_ros.runtime.quiet import free_slowly, giving_way
 from ladder_ros.runtime.shadow import Shadow, ShadowStatus
 from ladder_ros.runtime.trial import ChangeKind, ProgramChange
@@ -37,8 +37,13 @@ ChangeListener = Callable[[Change], None]
 class ChangeDesk:
     """Changes the program of a controller; for calls from any thread, one at a time."""
 
-    def __init__(self, controller: Controller, stamp: Callable[[], str]) -> None:
+    def __init__(
+        self, controller: Controller, stamp: Callable[[], str],
+        assurance: Assurance | None = None,
+    ) -> None:
         """Make one for an empty controller; ``stamp`` gives the date and time as text."""
+        self.assurance = assurance or Assurance()
+        """What must be proved of a program before a change."""
         self._controller = controller
         self._stamp = stamp
         controller.add_change_listener(self._on_change)
@@ -79,6 +84,7 @@ class ChangeDesk:
 
     def commit(self, loaded: Loaded) -> Change:
         """Put a program in the place of the present one; the same one changes nothing."""
+        self.assurance.check(self.loaded, loaded)
         with self.lock:
             before = self.loaded
             if before is None:
@@ -100,10 +106,11 @@ class ChangeDesk:
 
     def preflight(self, candidate: Loaded) -> Preflight:
         """Say everything that changing to a program would do; it becomes the candidate."""
+        proof = self.assurance.report(self.loaded, candidate)
         with self.lock, giving_way(self._controller.interval):
             self.candidate = candidate
             before = self.loaded
-            refusals = tuple(self._refusals(candidate))
+            refusals = tuple(self._refusals(candidate, proof))
             verdict = Verdict.READY
             if refusals:
                 verdict = Verdict.REFUSED
@@ -112,12 +119,17 @@ class ChangeDesk:
             return Preflight(
                 verdict=verdict, path=candidate.path, program=candidate.name,
                 hash=candidate.source_hash, running=_about(before), refusals=refusals,
-                diagnostics=candidate.diagnostics,
-                comparison=Comparison() if before is None else compare(
+                diagnostics=candidate.diagnostics, proof=proof,
+                comparison=Comparison() if before is None else self._controller.planner.compare(
                     before.executable, candidate.executable, self._controller.forces,
                     self._controller.breathe))
 
-    def _refusals(self, candidate: Loaded) -> Iterable[Refusal]:
+    def _refusals(
+        self, candidate: Loaded, proof: ProofReport | None,
+    ) -> Iterable[Refusal]:
+        if (proof is not None and proof.objection
+                and self.assurance.requirement is Requirement.EQUIVALENT):
+            yield Refusal(code=RefusalCode.NOT_PROVED, text=proof.objection)
         if self.loaded is None:
             yield Refusal(code=RefusalCode.EMPTY, text='nothing is loaded that it could follow')
         if self._controller.trial is not None:
@@ -138,6 +150,7 @@ class ChangeDesk:
 
     def test(self, loaded: Loaded, timeout: int, overrun_limit: int | None) -> Change:
         """Put a program in the place of the present one, which is kept."""
+        self.assurance.check(self.loaded, loaded)
         with self.lock:
             before = self.loaded
             if before is not None and self._controller.trial is None and is_same(before, loaded):
@@ -177,11 +190,12 @@ class ChangeDesk:
         """Change nothing but the path: the program is the same."""
         again = Loaded(
             path=loaded.path, name=loaded.name, source_hash=loaded.source_hash,
-            executable=before.executable, diagnostics=loaded.diagnostics)
+            executable=before.executable, diagnostics=loaded.diagnostics, source=loaded.source)
         self._known[id(again.executable)] = again
         return self._note(Change(
             kind=ChangeKind.UNCHANGED, loaded=again, time=self._stamp(), before=_names(before),
-            report=keep_everything(before.executable)))
+            report=self._controller.planner.transition(
+                before.executable, before.executable, self._controller.breathe).report))
 
     def _expect(self, loaded: Loaded) -> None:
         self._known[id(loaded.executable)] = loaded
@@ -216,8 +230,7 @@ class ChangeDesk:
         pile: list[Sequence[object]] = []
         for key in [key for key in self._known if key not in needed]:
             executable = self._known.pop(key).executable
-            pile += [executable.slots, executable.components, executable.rungs,
-                     tuple(executable.by_path)]
+            pile += executable.pieces()
             del executable
         with giving_way(self._controller.interval):
             free_slowly(pile, self._controller.breathe)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ladder_ros.diagnostics import Diagnostic
 from ladder_ros.executable import Executable
@@ -15,13 +15,17 @@ from ladder_ros.runtime.trial import ChangeKind
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Loaded:
-    """A program file, compiled: ``source_hash`` is the SHA-256 of its bytes."""
+    """A program file, compiled: ``source_hash`` is the SHA-256 of its bytes.
+
+    ``source`` are the bytes; empty for a program that is a folder.
+    """
 
     path: str
     name: str
     source_hash: str
     executable: Executable
     diagnostics: tuple[Diagnostic, ...] = ()
+    source: bytes = field(default=b'', repr=False, compare=False)
 
     @property
     def backend(self) -> str:

@@ -4,17 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 import threading
-from typing import TypeVar
 
 from ladder_ros.diagnostics import InternalError, LadderError, Location
 from ladder_ros.executable import Executable, Form
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.clock import Clock, MonotonicClock, rest
-from ladder_ros.runtime.errands import Errands
 from ladder_ros.runtime.exchange import Exchange
 from ladder_ros.runtime.listeners import (
     check_interval,
@@ -28,11 +25,15 @@ from ladder_ros.runtime.listeners import (
     StateListener,
 )
 from ladder_ros.runtime.online_change import SwapReport
-from ladder_ros.runtime.quiet import free_slowly, giving_way
+from ladder_ros.runtime.planner import LocalPlanner, Planner
+from ladder_ros.runtime.process_image import moved_writes, Write
+from ladder_ros.runtime.quiet import giving_way
 from ladder_ros.runtime.recorder import TraceRecorder
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
+from ladder_ros.runtime.scheduling import wake_promptly
 from ladder_ros.runtime.shadow import Shadow
 from ladder_ros.runtime.statistics import Recorder, Share, Statistics
+from ladder_ros.runtime.supervisor import Supervisor
 from ladder_ros.runtime.tasks import make_tasks, TaskStatistics
 from ladder_ros.runtime.trial import (
     ChangeListener,
@@ -40,8 +41,8 @@ from ladder_ros.runtime.trial import (
     DEFAULT_TIMEOUT,
     Trial,
 )
+from ladder_ros.runtime.turns import Turns
 
-_T = TypeVar('_T')
 _MARGIN = 400_000
 """Time before a scan, in ns, in which other work rather waits."""
 _LONGEST_REST = 5_000_000
@@ -54,27 +55,23 @@ class Controller:
     Listeners, which the scan thread calls, may only read, write and stop.
     """
 
-    def __init__(self, clock: Clock | None = None) -> None:
-        """Make an empty controller."""
+    def __init__(self, clock: Clock | None = None, planner: Planner | None = None) -> None:
+        """Make an empty controller; ``planner`` works out what changes of the program do."""
         self._clock: Clock = clock or MonotonicClock()
+        self.planner: Planner = planner or LocalPlanner()
         self._state = ControllerState.EMPTY
         self._fault: Fault | None = None
         self._interval: int | None = None
-        self._thread: threading.Thread | None = None
         self._stopping = False
         self._due = 0
         self._listeners = Listeners()
         self._programs = Exchange(self._clock, self._listeners)
         self._recorder = Recorder()
         self._trace: TraceRecorder | None = None
-        # Locks are always taken in this order.  One request at a time:
-        self._requests = threading.RLock()
-        # The gate makes the next lock fair: the scan thread passes it before each scan, so that
-        # it cannot take that lock again from under someone who waits for it.
-        self._gate = threading.RLock()
-        # Held during a scan and its listeners, or to keep one from starting:
-        self._between = threading.RLock()
-        self._errands = Errands()
+        self._turns = Turns(self._clock.wake)
+        self._supervisor = Supervisor(
+            lambda: self._loaded('scanning').limit(),
+            lambda: self._loaded('scanning').shortest_limit, self._give_up)
 
     # What it is doing
 
@@ -157,10 +154,10 @@ class Controller:
         """
         cycle = ScanCycle(executable, self._clock.now)
         check_interval(self._interval_for(cycle.interval))
-        with self._request('loading a program'):
+        with self._turns.request('loading a program'):
             self._refuse('loading a program', ControllerState.RUNNING,
                          'stop it, or change the program online')
-            self._join()
+            self._turns.join()
             self._programs.put(cycle)
             self._fault = None
             self._recorder = Recorder()
@@ -168,9 +165,9 @@ class Controller:
 
     def unload(self) -> None:
         """Go back to having no program.  Not while one runs."""
-        with self._request('unloading'):
+        with self._turns.request('unloading'):
             self._refuse('unloading', ControllerState.RUNNING, 'stop it first')
-            self._join()
+            self._turns.join()
             self._programs.put(None)
             self._fault = None
             self._recorder = Recorder()
@@ -181,19 +178,22 @@ class Controller:
 
         Retained values do not if ``cold``.  Does nothing if it runs already.
         """
-        with self._request('starting'):
+        with self._turns.request('starting'):
             if self._state is ControllerState.RUNNING:
                 return
             self._refuse('starting', ControllerState.EMPTY, 'load a program first')
             self._refuse('starting', ControllerState.FAULTED, 'reset it first')
-            self._join()
+            self._turns.join()
             self._loaded('starting').restart(cold=cold)
             self._programs.restarted()
             self._recorder = Recorder()
             self._stopping = False
             self._set_state(ControllerState.RUNNING)
-            self._thread = threading.Thread(target=self._run, name='ladder_scan', daemon=True)
-            self._thread.start()
+            self._turns.lost = None
+            self._supervisor.begin()
+            self._turns.scanner = threading.Thread(
+                target=self._run, name='ladder_scan', daemon=True)
+            self._turns.scanner.start()
 
     def stop(self) -> None:
         """Stop after the scan that is running; when this returns no scan runs.
@@ -201,22 +201,22 @@ class Controller:
         A test ends: the old program is there again.  Does nothing if none runs.  From a listener
         it only asks to stop.
         """
-        if threading.current_thread() is self._thread:
+        if self._turns.is_scanner:
             self._stopping = True
             return
-        with self._request('stopping'):
+        with self._turns.request('stopping'):
             self._stopping = True
             self._clock.wake()
-            self._join()
+            self._turns.join_or_lose()
 
     def reset(self, *, cold: bool = True) -> None:
         """Clear a fault and go back to the initial state, retained values too if ``cold``.
 
         It is then stopped.  Not while a program runs.
         """
-        with self._request('resetting'):
+        with self._turns.request('resetting'):
             self._refuse('resetting', ControllerState.RUNNING, 'stop it first')
-            self._join()
+            self._turns.join()
             self._loaded('resetting').restart(cold=cold)
             self._fault = None
             self._recorder = Recorder()
@@ -256,7 +256,7 @@ class Controller:
         It comes back by itself after a fault, a watchdog trip, more overruns than the limit (None:
         any number), a stop, or after ``timeout`` ns without :meth:`accept`.
         """
-        with self._request('testing a program'):
+        with self._turns.request('testing a program'):
             if self._state is not ControllerState.RUNNING:
                 raise LadderError.of(
                     'L0508', Location(), request='testing a program', state=self._state.value,
@@ -268,63 +268,61 @@ class Controller:
         self, request: str, executable: Executable, *, timeout: int | None = None,
         overrun_limit: int | None = None,
     ) -> SwapReport:
-        with self._request(request), giving_way(self.interval):
+        with self._turns.request(request), giving_way(self.interval):
             if self.trial is not None:
                 raise LadderError.of('L0520', Location(), request=request, reason='a test runs',
                                      expected='accept or untest the program on test first')
             # All that takes long comes before it is the scan thread's turn, or after.
-            successor = self._loaded(request).successor(executable, self.breathe)
+            cycle = self._loaded(request)
+            successor = cycle.successor(executable, self.planner.transition(
+                cycle.executable, executable, self.breathe))
             check_interval(self._interval_for(successor.interval))
-            report = self._boundary(lambda: self._programs.take_over(
+            return self._turns.boundary(lambda: self._programs.take_over(
                 self._loaded(request), successor, timeout=timeout, overrun_limit=overrun_limit,
                 overruns=self._recorder.overruns))
-            pile: list[Sequence[object]] = [successor.steps]
-            successor.steps = ()
-            free_slowly(pile, self.breathe)
-            return report
 
     def untest(self, reason: str = 'asked for') -> None:
         """Go back to the program and the state before the test; inputs and forces are today's."""
-        with self._request('going back'):
-            if not self._boundary(
+        with self._turns.request('going back'):
+            if not self._turns.boundary(
                     lambda: self._programs.go_back(self._loaded('going back'), reason)):
                 raise _no_test('going back')
 
     def accept(self) -> None:
         """Keep the program on test."""
-        with self._request('accepting'):
-            if not self._boundary(
+        with self._turns.request('accepting'):
+            if not self._turns.boundary(
                     lambda: self._programs.accept(self._loaded('accepting'))):
                 raise _no_test('accepting')
 
     def move_to(self, executable: Executable, form: Form) -> None:
         """Let a program go on in a faster form between two scans, if it is still there."""
         state = form.make_state(executable.initial_state())
-        self._boundary(lambda: self._programs.move_to(executable, form, state))
+        self._turns.boundary(lambda: self._programs.move_to(executable, form, state))
 
     def run_shadow(self, shadow: Shadow) -> None:
         """Let another program scan along; replaces one that does so already."""
-        with self._request('a shadow run'):
+        with self._turns.request('a shadow run'):
             cycle = self._loaded('a shadow run')
-            shadow.prepare(cycle, self.breathe)
+            shadow.prepare(cycle, self.planner, self.breathe)
 
             def begin() -> None:
                 shadow.begin(cycle)
                 self._programs.shadow = shadow
 
-            self._boundary(begin)
+            self._turns.boundary(begin)
 
     def end_shadow(self, why: str = 'asked for') -> None:
         """Stop the shadow run, if there is one."""
-        with self._request('ending a shadow run'):
+        with self._turns.request('ending a shadow run'):
             shadow = self.shadow
             if shadow is not None:
-                self._boundary(lambda: shadow.end(why))
+                self._turns.boundary(lambda: shadow.end(why))
 
     def record(self, trace: TraceRecorder | None) -> None:
         """Write each scan to a recording from the next one on; None ends that."""
-        with self._request('recording'):
-            self._boundary(lambda: setattr(self, '_trace', trace))
+        with self._turns.request('recording'):
+            self._turns.boundary(lambda: setattr(self, '_trace', trace))
 
     # Values
 
@@ -332,31 +330,29 @@ class Controller:
         self, index: int, value: Value, *, catch_pulse: bool = False,
         of: Executable | None = None,
     ) -> None:
-        """Give a variable a value before the next scan; never waits for a scan.
+        """Give a variable a value before the next scan; see :meth:`write_all`."""
+        self.write_all(((index, value, catch_pulse),), of=of)
+
+    def write_all(self, values: Iterable[Write], *, of: Executable | None = None) -> None:
+        """Give variables values before the next scan, all in the same; never waits for a scan.
 
         With ``catch_pulse`` a value that lasted for less than a scan is still seen by one.  ``of``
-        is the executable that the slot's index was taken from: should another one have taken its
-        place, the variable of that path is written, if there still is one of its type.  Raises
-        TypeError if the value is not of the slot's type.
+        is the executable that the indices were taken from: should another one have taken its
+        place, the variables of these paths are written, if there still are some of their types.
+        Raises TypeError if a value is not of its slot's type.
         """
         with self._programs.lock:
             cycle = self._loaded('writing')
-            if of is not None and of is not cycle.executable:
-                old = of.slots[index]
-                new = cycle.executable.slot(old.path)
-                if new is None or new.type is not old.type:
-                    return
-                index = new.index
-            cycle.write(index, value, catch_pulse=catch_pulse)
+            cycle.image.write(moved_writes(values, of or cycle.executable, cycle.executable))
 
     def read(self, index: int) -> Value:
         """Return a variable's value after the last scan."""
-        with self._between_scans():
+        with self._turns.between_scans():
             return self._loaded('reading').state[index]
 
     def snapshot(self) -> tuple[Executable, list[Value]]:
         """Return the program and a copy of all values, of one moment between two scans."""
-        with self._between_scans():
+        with self._turns.between_scans():
             cycle = self._loaded('reading')
             return cycle.executable, list(cycle.state)
 
@@ -370,11 +366,11 @@ class Controller:
                 return cycle.executable, ()  # they are another program's
             return cycle.executable, tuple(cycle.state[index] for index in wanted)
 
-        return self._boundary(take)
+        return self._turns.boundary(take)
 
     def put(self, values: Mapping[int, Value]) -> None:
         """Set values of a stopped program at once: what was retained from an earlier run."""
-        with self._request('restoring values'), self._between_scans():
+        with self._turns.request('restoring values'), self._turns.between_scans():
             cycle = self._loaded('restoring values')
             for index, value in values.items():
                 cycle.state[index] = value
@@ -401,11 +397,11 @@ class Controller:
 
     def observe(self, on: bool) -> None:
         """Begin or end to note the power that leaves each component."""
-        with self._request('observing'):
+        with self._turns.request('observing'):
             cycle = self._loaded('observing')
             cycle.prepared(replace(cycle.variant, observed=on))
             self._prepare_return(frozenset(cycle.forces), on)
-            with self._between_scans():
+            with self._turns.between_scans():
                 cycle.observe(on)
 
     # Listeners
@@ -436,10 +432,18 @@ class Controller:
         starts late, by less than an interval, is made up for by a shorter sleep; whole intervals
         that were missed are skipped and counted, never made up for in a burst.
         """
+        if isinstance(self._clock, MonotonicClock):
+            wake_promptly()
+        try:
+            self._scan_until_stopped()
+        finally:
+            self._supervisor.end()
+
+    def _scan_until_stopped(self) -> None:
         deadline = self._due = self._clock.now()
         running = True
         while running and not self._stopping:
-            self._errands.run()
+            self._turns.run_errands()
             interval = self.interval
             ahead = deadline - self._clock.now()
             if ahead > interval:
@@ -456,15 +460,13 @@ class Controller:
             if self._clock.now() > deadline:
                 self._recorder.overrun()
         if running:
-            self._alone(lambda: self._programs.go_back(
+            self._turns.alone(lambda: self._programs.go_back(
                 self._loaded('stopping'), 'the program was stopped'))
             self._set_state(ControllerState.STOPPED)
 
     def _scan(self, now: int, lateness: int, missed: int) -> bool:
         """Run one scan and tell the listeners; return False after a fault."""
-        with self._gate:
-            self._between.acquire()
-        try:
+        with self._turns.scan():
             trial = self.trial
             if trial is not None:
                 why = trial.why_over(self._clock.now(), self._recorder.overruns)
@@ -477,8 +479,6 @@ class Controller:
                 self._programs.shadow.scan(
                     self._loaded('scanning'), now + self.interval, missed)
             return True
-        finally:
-            self._between.release()
 
     def _scan_and_tell(self, now: int, lateness: int, missed: int) -> Fault | None:
         cycle = self._loaded('scanning')
@@ -486,20 +486,24 @@ class Controller:
             self._trace.before(cycle)
         began = self._clock.now()
         self._programs.scanning(began)
-        fault = None
+        fault = raised = None
         try:
-            cycle.scan(now, missed, lateness)
+            with self._supervisor.watched():
+                cycle.scan(now, missed, lateness)
         except Exception as error:
+            raised = error
             # Whatever it was, this thread must not die without a word.
             fault = fault_of(
                 error, error.entry if isinstance(error, ProgramFault) else '',
                 self._recorder.scans, now)
+        if self._turns.lost is not None:
+            return self._fault  # too late: others have been told
         execution = self._clock.now() - began
         self._recorder.scan(execution, lateness)
         if fault is not None and self._programs.go_back(cycle, f'fault: {fault.reason}'):
             return None  # nobody is told what the failed scan left
         if self._trace is not None:
-            self._trace.after(cycle, missed, is_fault=fault is not None)
+            self._trace.after(cycle, missed, raised)
         if fault is not None:
             self._fault = fault
             self._set_state(ControllerState.FAULTED)
@@ -508,6 +512,13 @@ class Controller:
             values=cycle.state, power=cycle.power, execution_ns=execution, fault=fault,
             executed=cycle.executed))
         return fault
+
+    def _give_up(self, error: LadderError) -> None:
+        """Leave the scan thread to itself: its scan will not end; in the supervisor's thread."""
+        self._turns.lost = error
+        self._fault = fault_of(
+            ProgramFault('', error), '', self._recorder.scans, self._due)
+        self._set_state(ControllerState.FAULTED)
 
     def _set_state(self, state: ControllerState) -> None:
         self._state = state
@@ -519,14 +530,14 @@ class Controller:
         self, request: str, change: Callable[[ScanCycle], None], *, add: int | None = None,
         remove: int | None = None,
     ) -> None:
-        with self._request(request):
+        with self._turns.request(request):
             cycle = self._loaded(request)
             forced = frozenset(cycle.forces) | {add} - {None} if add is not None else (
                 frozenset(cycle.forces) - {remove})
             # Built before scans are kept waiting; what follows takes it from the cache.
             cycle.prepared(replace(cycle.variant, forced=forced))
             self._prepare_return(forced, cycle.variant.observed)
-            with self._between_scans():
+            with self._turns.between_scans():
                 if self._programs.cycle is not cycle:  # a test has ended meanwhile
                     raise LadderError.of(
                         'L0520', Location(), request=request, expected='try again',
@@ -540,41 +551,6 @@ class Controller:
         trial = self.trial
         if trial is not None:
             trial.old.prepared(trial.old.variant_after(forced, trial.plan, observed))
-
-    @contextmanager
-    def _request(self, what: str) -> Iterator[None]:
-        """Let one request at a time do its work.
-
-        The scan thread may make none: it would wait for a request that waits for it.
-        """
-        if threading.current_thread() is self._thread:
-            raise InternalError('controller', f'{what} from a listener; listeners may only read, '
-                                              'write and stop')
-        with self._requests:
-            yield
-
-    def _boundary(self, action: Callable[[], _T]) -> _T:
-        """Have something done between two scans, by the scan thread if there is one."""
-        return self._errands.ask(lambda: self._alone(action), self._thread, self._clock.wake,
-                                 lambda: self._alone(self._errands.run))
-
-    def _alone(self, action: Callable[[], _T]) -> _T:
-        with self._gate, self._between:
-            return action()
-
-    @contextmanager
-    def _between_scans(self) -> Iterator[None]:
-        """Keep a scan from starting; in a listener it is kept from anyway."""
-        if threading.current_thread() is self._thread:
-            yield
-        else:
-            with self._gate, self._between:
-                yield
-
-    def _join(self) -> None:
-        """Wait for the scan thread, which is about to end."""
-        if self._thread is not None:
-            self._thread.join()
 
     def _loaded(self, request: str) -> ScanCycle:
         cycle = self._programs.cycle

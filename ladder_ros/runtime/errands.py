@@ -66,12 +66,13 @@ class Errands:
 
     def ask(
         self, action: Callable[[], _T], thread: threading.Thread | None, wake: Callable[[], None],
-        alone: Callable[[], None],
+        alone: Callable[[], None], check: Callable[[], None],
     ) -> _T:
         """Have the scan thread do something; return what that returns.
 
-        ``wake`` wakes it.  If it does not live, or ends before it has got round to it, the errands
-        are done here, by ``alone``, which keeps everyone else away meanwhile.
+        ``wake`` wakes it; ``check`` raises if it will never get round to it.  If it does not live,
+        or ends before it has got round to it, the errands are done here, by ``alone``, which keeps
+        everyone else away meanwhile.
         """
         errand: _Errand[_T] = _Errand(action)
         self._waiting.append(errand)  # type: ignore[arg-type]
@@ -80,6 +81,7 @@ class Errands:
             while not errand.done.wait(_LOOK):
                 if not thread.is_alive():
                     break
+                check()
         if not errand.done.is_set():
             alone()
             errand.done.wait()

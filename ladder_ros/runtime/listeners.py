@@ -115,7 +115,7 @@ def check_interval(interval: int) -> int:
 
 def fault_of(error: Exception, entry: str, scan: int, now: int) -> Fault:
     """Return the fault that an exception in a scan is."""
-    cause = error.__cause__
+    cause = error.__cause__ or error
     location = getattr(cause, 'location', None)
     if isinstance(cause, LadderError):
         location = cause.diagnostics[0].location

@@ -7,10 +7,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from ladder_ros.executable import Executable, Slot, SlotClass
+from ladder_ros.executable import Slot, SlotClass
 from ladder_ros.model.types import NS_PER_MS
 from ladder_ros.runtime.quiet import Breathe, breathless, in_parts
-from ladder_ros.runtime.state_plan import Fate, plan_state, StatePlan, Step
+from ladder_ros.runtime.state_plan import Fate, StatePlan, Step
 
 
 class Gap:
@@ -72,11 +72,6 @@ def report_swap(
         converted=tuple(paths[Fate.CONVERTED]), initialised=tuple(paths[Fate.INITIALISED]),
         dropped=tuple(paths[Fate.DROPPED]), forces_dropped=forces_dropped, pause_ns=pause_ns,
         is_fast=plan.is_equal, gap=gap or Gap())
-
-
-def keep_everything(executable: Executable) -> SwapReport:
-    """Return the report of a change that changes nothing."""
-    return report_swap(plan_state(executable, executable))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

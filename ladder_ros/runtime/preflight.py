@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import TypeVar
 
@@ -14,6 +14,7 @@ from ladder_ros.diagnostics import Diagnostic, problem
 from ladder_ros.executable import Entry, Executable, Slot, SlotClass, TaskEntry
 from ladder_ros.model.types import NS_PER_MS, Value
 from ladder_ros.runtime.online_change import is_hidden, list_state, StateItem
+from ladder_ros.runtime.proof_report import ProofReport
 from ladder_ros.runtime.quiet import Breathe, breathless, in_parts
 from ladder_ros.runtime.state_plan import Fate, plan_state, Step
 
@@ -37,6 +38,7 @@ class RefusalCode(Enum):
     INTERVAL = 'interval'
     EMPTY = 'empty'
     IN_TEST = 'in_test'
+    NOT_PROVED = 'not_proved'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,11 +59,14 @@ class Refusal:
 class Comparison:
     """How a program differs from the one that runs, and what becomes of the latter's state.
 
-    ``rungs`` are (what, POU, rung id), ``tasks`` and ``io`` (name, what), what being a few words.
+    Of the ``state`` what changes comes first; ``counts`` is how much of it is kept, moved and so
+    on.  ``rungs`` are (what, POU, rung id), ``tasks`` and ``io`` (name, what), what being a few
+    words.
     """
 
     is_equal_layout: bool = False
-    state: tuple[StateItem, ...] = ()
+    state: Sequence[StateItem] = ()
+    counts: Mapping[str, int] = field(default_factory=dict)
     rungs: tuple[tuple[str, str, str], ...] = ()
     tasks: tuple[tuple[str, str], ...] = ()
     io: tuple[tuple[str, str], ...] = ()
@@ -75,7 +80,7 @@ class Preflight:
     """What would happen.  ``running`` is (name, hash) of the program that runs, if one is there.
 
     With verdict REFUSED the ``refusals`` say why; if the program could not be compiled the
-    comparison is empty.
+    comparison is empty.  ``proof`` says whether both programs behave alike, if that was asked for.
     """
 
     verdict: Verdict
@@ -86,6 +91,7 @@ class Preflight:
     refusals: tuple[Refusal, ...] = ()
     comparison: Comparison = Comparison()
     diagnostics: tuple[Diagnostic, ...] = ()
+    proof: ProofReport | None = None
 
     def to_json(self, limit: int | None = None) -> dict[str, object]:
         """Return it as plain JSON data; each list with at most ``limit`` items.
@@ -93,8 +99,6 @@ class Preflight:
         ``counts`` are of all; of the state, what changes comes first.
         """
         found = self.comparison
-        state = sorted(found.state, key=lambda item: item.fate is Fate.KEPT)
-        counts = Counter(item.fate.value for item in found.state)
         running = self.running
         return {
             'verdict': self.verdict.value, 'path': self.path, 'program': self.program,
@@ -102,8 +106,8 @@ class Preflight:
             'running': {'program': running[0], 'hash': running[1]} if running else None,
             'refusals': [refusal.to_json() for refusal in self.refusals],
             'equal_layout': found.is_equal_layout,
-            'counts': {fate.value: counts[fate.value] for fate in Fate},
-            'state': [item.to_json() for item in state[:limit]],
+            'counts': {fate.value: found.counts.get(fate.value, 0) for fate in Fate},
+            'state': [item.to_json() for item in found.state[:limit]],
             'rungs': {
                 what: [{'pou': pou, 'rung': rung} for other, pou, rung in found.rungs
                        if other == what][:limit]
@@ -114,6 +118,7 @@ class Preflight:
             'diagnostics': [
                 item.to_json() for item in (*self.diagnostics, *found.warnings)][:limit],
             'notes': list(found.notes),
+            'proof': self.proof.to_json() if self.proof else None,
         }
 
 
@@ -123,8 +128,11 @@ def compare(
 ) -> Comparison:
     """Compare a program with the one that runs, and plan its state."""
     plan = plan_state(old, new, breathe)
+    state = list(list_state(in_parts(plan.steps, breathe)))
+    counts = Counter(item.fate.value for item in state)
+    state.sort(key=lambda item: item.fate is Fate.KEPT)
     return Comparison(
-        is_equal_layout=plan.is_equal, state=tuple(list_state(in_parts(plan.steps, breathe))),
+        is_equal_layout=plan.is_equal, state=tuple(state), counts=dict(counts),
         rungs=tuple(_rungs(old, new)), tasks=tuple(_tasks(old, new)), io=tuple(_io(old, new)),
         forces_dropped=tuple(
             old.slots[index].path for index in forces if index not in plan.moves),

@@ -4,12 +4,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 import threading
 
 from ladder_ros.executable import Executable, Form, SlotClass, State
-from ladder_ros.model.types import normalise, Value
+from ladder_ros.model.types import DataType, normalise, Value
 from ladder_ros.runtime.state_plan import StatePlan
+
+Write = tuple[int, Value, bool]
+"""A slot's index, what it is to become, and whether a short pulse of it is to be seen."""
+
+
+def moved_writes(
+    values: Iterable[Write], old: Executable, new: Executable,
+) -> Iterable[Write]:
+    """Return writes for the variables of the same paths and types in another program."""
+    if old is new:
+        return values
+    slots = [(old.slots[index], value, catch_pulse) for index, value, catch_pulse in values]
+    return [
+        (there.index, value, catch_pulse) for here, value, catch_pulse in slots
+        if (there := new.slot(here.path)) is not None and there.type is here.type]
 
 
 class PendingInputs:
@@ -21,19 +36,21 @@ class PendingInputs:
         self._later: dict[int, Value] = {}
         self._frozen: dict[int, Value] = {}
 
-    def write(self, index: int, value: Value, catch_pulse: bool) -> None:
-        """Keep a value for the next scan.
+    def write(self, values: Iterable[Write]) -> None:
+        """Keep values for the next scan, which sees all of them or none.
 
-        The last of several values wins.  With ``catch_pulse`` a value that differs from both the
-        scan before and this one is seen by the next scan, and this one by the scan after that.
+        The last of several values of a slot wins.  With ``catch_pulse`` a value that differs from
+        both the scan before and this one is seen by the next scan, and this one by the scan after
+        that.
         """
         with self._lock:
-            waiting = self._next.get(index, value)
-            if catch_pulse and waiting != value and waiting != self._frozen.get(index):
-                self._later[index] = value
-            else:
-                self._next[index] = value
-                self._later.pop(index, None)
+            for index, value, catch_pulse in values:
+                waiting = self._next.get(index, value)
+                if catch_pulse and waiting != value and waiting != self._frozen.get(index):
+                    self._later[index] = value
+                else:
+                    self._next[index] = value
+                    self._later.pop(index, None)
 
     def take(self) -> dict[int, Value]:
         """Return what the next scan is to see, by slot."""
@@ -69,26 +86,33 @@ class ProcessImage:
         """
         self._slots = executable.slots
         self._make_state = form.make_state if form is not None else executable.make_state
-        initial = executable.initial_state()
-        self.state = initial if form is None else form.make_state(initial)
+        self.state = self._make_state(executable.outline.initial)
+        self._types: dict[int, DataType] = {}
         self._pending = PendingInputs()
         self._forces: dict[int, Value] = {}
         self._behind: dict[int, Value] = {}  # values that wait behind a force
-        self._inputs = tuple(
-            slot.index for slot in self._slots if slot.slot_class is SlotClass.INPUT)
+        self._outline = executable.outline
 
     def take_form(self, form: Form, state: State) -> None:
         """Go on with a state of another form: ``state``, whose values do not count."""
         state[:] = self.state
         self.state, self._make_state = state, form.make_state
 
-    def write(self, index: int, value: Value, catch_pulse: bool = False) -> None:
-        """Give a variable a value before the next scan; see :meth:`PendingInputs.write`.
+    def write(self, values: Iterable[Write]) -> None:
+        """Give variables values before the next scan; see :meth:`PendingInputs.write`.
 
-        A forced variable takes it when the force is released.  Raises TypeError if the value is
-        not of the slot's type.
+        A forced variable takes it when the force is released.  Raises TypeError if a value is not
+        of its slot's type.
         """
-        self._pending.write(index, normalise(value, self._slots[index].type), catch_pulse)
+        types = self._types
+        self._pending.write([
+            (index, normalise(value, types.get(index) or self._type(index)), catch_pulse)
+            for index, value, catch_pulse in values])
+
+    def _type(self, index: int) -> DataType:
+        """Return the type of a slot, and keep it: slots may be read from afar."""
+        self._types[index] = self._slots[index].type
+        return self._types[index]
 
     def freeze(self) -> Mapping[int, Value]:
         """Bring what is pending into the state, the inputs of one scan; return it by slot."""
@@ -132,11 +156,11 @@ class ProcessImage:
 
         Inputs are the outside world's: nobody would send them again.
         """
-        for slot in self._slots:
-            kept = slot.slot_class is SlotClass.INPUT or (slot.retain and not cold)
-            if slot.index in self._forces or kept:
-                continue
-            self.state[slot.index] = slot.initial
+        outline = self._outline
+        kept = {*self._forces, *outline.inputs, *(() if cold else outline.retained)}
+        for index, initial in enumerate(outline.initial):
+            if index not in kept:
+                self.state[index] = initial
 
     def follow(self, old: ProcessImage, plan: StatePlan, *, copy: bool) -> None:
         """Take everything over from another program's image, as planned; that is left as it was.
@@ -155,7 +179,7 @@ class ProcessImage:
         ``plan`` leads from this program to the other.  Forces of variables that the other program
         has not are kept.
         """
-        for index in self._inputs:
+        for index in self._outline.inputs:
             if index in plan.moves:
                 self.state[index] = other.state[plan.moves[index]]
         own = {index: value for index, value in self._forces.items() if index not in plan.moves}

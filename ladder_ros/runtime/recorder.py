@@ -21,11 +21,13 @@ import threading
 from typing import Any, TextIO
 
 from ladder_ros.diagnostics import LadderError, Location
-from ladder_ros.executable import Executable, SlotClass, State
+from ladder_ros.executable import Executable, State
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.scan_cycle import Moment, ScanCycle
 
 VERSION = 1
+FAULT, LATE = 'fault', 'late'
+"""How a scan that has ended with a fault is marked: the program's, or a watchdog's."""
 MOST_WAITING = 100_000
 """Scans that may wait to be written; a disk that is slower than that ends the recording."""
 _FLUSH = 0.2
@@ -81,9 +83,7 @@ class TraceRecorder:
         if self._error or (cycle is self._cycle and cycle.version == self._version):
             return
         if cycle is not self._cycle:
-            self._outputs = tuple(
-                slot.index for slot in cycle.executable.slots
-                if slot.slot_class is SlotClass.OUTPUT)
+            self._outputs = cycle.executable.outline.outputs
             self._reals = tuple(
                 index for index in self._outputs if cycle.executable.slots[index].type.is_real)
         self._cycle, self._version = cycle, cycle.version
@@ -97,8 +97,8 @@ class TraceRecorder:
         """Return the signs of the real outputs: 0.0 and -0.0 are equal, but not to the bit."""
         return [math.copysign(1.0, float(state[index])) for index in self._reals]
 
-    def after(self, cycle: ScanCycle, missed: int, *, is_fault: bool = False) -> None:
-        """Note the scan that has just run."""
+    def after(self, cycle: ScanCycle, missed: int, fault: Exception | None = None) -> None:
+        """Note the scan that has just run, and the fault that it has ended with."""
         if self._error:
             return
         if self._lines.qsize() > MOST_WAITING:
@@ -115,10 +115,12 @@ class TraceRecorder:
                 self._outputs, values, self._last, strict=True) if value != last)
             self._last = values
         now, taken, executable = cycle.now, cycle.taken, cycle.executable
+        # What took too long here need not do so again.
+        is_replayed = not isinstance(getattr(fault, '__cause__', None) or fault, LadderError)
         self._scans += 1
         self._lines.put(lambda: [
             now, missed, _by_path(executable, taken), _by_path(executable, outputs),
-            *(['fault'] if is_fault else [])])
+            *([FAULT if is_replayed else LATE] if fault is not None else [])])
 
     # Elsewhere
 

@@ -12,9 +12,9 @@ import os
 from typing import Any
 
 from ladder_ros.diagnostics import LadderError, Location
-from ladder_ros.executable import Executable, SlotClass
+from ladder_ros.executable import Executable
 from ladder_ros.model.types import normalise, Value
-from ladder_ros.runtime.recorder import VERSION
+from ladder_ros.runtime.recorder import LATE, VERSION
 from ladder_ros.runtime.scan_cycle import Moment, ProgramFault, ScanCycle
 from ladder_ros.runtime.values import format_value
 
@@ -31,6 +31,8 @@ class TracedScan:
     outputs: Mapping[str, Value]
     line: int
     is_fault: bool = False
+    is_late: bool = False
+    """Whether a watchdog has stopped it, at a place that nobody knows: it cannot be run again."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,7 +109,7 @@ def read_trace(path: str | os.PathLike[str]) -> tuple[Section, ...]:
                 now, missed, taken, outputs, *fault = document
                 scans.append(TracedScan(
                     now=int(now), missed=int(missed), taken=dict(taken), outputs=dict(outputs),
-                    line=line, is_fault=bool(fault)))
+                    line=line, is_fault=bool(fault), is_late=LATE in fault))
         except (KeyError, TypeError, ValueError, IndexError):
             raise _bad(file, line, 'it is no recording of ladder_ros') from None
     close()
@@ -163,6 +165,8 @@ def replay_trace(
                 expected='give the very file that ran; any change makes it another program')
         cycle = _cycle_of(section, executable, file)
         for scan in section.scans:
+            if scan.is_late:
+                break  # what follows, if anything, is another section
             found = _scan(cycle, scan, file, scans)
             scans += 1
             if found is not None:
@@ -197,7 +201,7 @@ def _scan(
     cycle: ScanCycle, scan: TracedScan, file: str, number: int,
 ) -> ReplayDifference | None:
     executable = cycle.executable
-    outputs = [slot for slot in executable.slots if slot.slot_class is SlotClass.OUTPUT]
+    outputs = [executable.slots[index] for index in executable.outline.outputs]
     try:
         expected = [cycle.state[slot.index] for slot in outputs]
         changed = dict(_slots(executable, scan.outputs))

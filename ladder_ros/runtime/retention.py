@@ -57,8 +57,8 @@ class Retention:
         if retained is None:
             return
         known = {path.casefold(): value for path, value in retained.values.items()}
-        values = {slot.index: value for slot in executable.slots if slot.retain
-                  and (value := _find(slot, known)) is not None}
+        values = {slot.index: value for slot in _retained(executable)
+                  if (value := _find(slot, known)) is not None}
         self._controller.put(values)
         self._restored = len(values)
         self._source = 'previous' if retained.is_previous else 'file'
@@ -90,7 +90,7 @@ class Retention:
             executable = self._controller.executable
             if executable is None:
                 return
-            slots = [slot for slot in executable.slots if slot.retain]
+            slots = _retained(executable)
             if not slots:
                 return  # what another program retained stays
             try:
@@ -120,7 +120,7 @@ class Retention:
         executable = self._controller.executable
         return {
             'path': self.path, 'saved': self._saved or None, 'error': self._error or None,
-            'variables': sum(slot.retain for slot in executable.slots) if executable else 0,
+            'variables': len(executable.outline.retained) if executable else 0,
             'restored': self._restored, 'from': self._source}
 
     def _run(self) -> None:
@@ -129,6 +129,10 @@ class Retention:
             self._wake.clear()
             if not self._closing:
                 self.save()
+
+
+def _retained(executable: Executable) -> list[Slot]:
+    return [executable.slots[index] for index in executable.outline.retained]
 
 
 def _find(slot: Slot, known: Mapping[str, tuple[str, Value]]) -> Value | None:

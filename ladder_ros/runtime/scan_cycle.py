@@ -5,17 +5,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Executable, Form, Scan, State, Variant
 from ladder_ros.model.types import Value
-from ladder_ros.runtime.online_change import report_swap
+from ladder_ros.runtime.planner import Transition
 from ladder_ros.runtime.process_image import ProcessImage
-from ladder_ros.runtime.quiet import Breathe, breathless
-from ladder_ros.runtime.state_plan import plan_state, StatePlan
+from ladder_ros.runtime.state_plan import StatePlan
 from ladder_ros.runtime.statistics import Share
-from ladder_ros.runtime.tasks import make_tasks, RunningTask, TaskStatistics, Timer
+from ladder_ros.runtime.supervisor import Limit
+from ladder_ros.runtime.tasks import (
+    endless,
+    LONGEST_LIMIT,
+    make_tasks,
+    RunningTask,
+    TaskStatistics,
+    Timer,
+)
 
 _CACHED_VARIANTS = 8
 
@@ -71,6 +78,10 @@ class ScanCycle:
         self._timer = timer
         self.tasks, self.interval = make_tasks(executable)
         """The tasks by priority; common divisor of their intervals in ns, 0 if they have none."""
+        self._current: RunningTask | None = None
+        self.shortest_limit = min((task.limit().longest for task in self.tasks),
+                                  default=LONGEST_LIMIT)
+        """The shortest of the times, in ns, after which a task is broken off."""
         self._tick = -1
         self.offset = 0
         """How much the program's time is behind: a test that was undone has not passed for it."""
@@ -108,6 +119,11 @@ class ScanCycle:
             instructions=self._instructions, executed=self.executed,
             mean=self._executed_sum / self._scans if self._scans else 0.0)
 
+    def limit(self) -> Limit:
+        """Return how long what runs now may take; for any thread."""
+        current = self._current
+        return current.limit() if current is not None else endless('what runs once')
+
     def task_statistics(self) -> tuple[TaskStatistics, ...]:
         """Return the statistics of each task, in the order in which they run."""
         return tuple(task.read() for task in self.tasks)
@@ -141,7 +157,7 @@ class ScanCycle:
 
         Raises TypeError if the value is not of the slot's type.
         """
-        self.image.write(index, value, catch_pulse)
+        self.image.write(((index, value, catch_pulse),))
 
     @property
     def forces(self) -> dict[int, Value]:
@@ -196,6 +212,7 @@ class ScanCycle:
         Raises ProgramFault if the program fails; the state is then as the failure left it.
         """
         self.now = now = now - self.offset
+        self._current = None
         self.taken = self.image.freeze()
         timer = self._timer
         began = timer() if timer is not None else 0
@@ -213,6 +230,7 @@ class ScanCycle:
         for task in self.tasks:
             if not task.is_due(self.image.state, self._tick, last_tick):
                 continue
+            self._current = task
             start = timer() if timer is not None else 0
             for name in task.bodies:
                 self._run(name, now)
@@ -262,11 +280,9 @@ class ScanCycle:
         self.version += 1
         self._functions = self.prepared(self.variant)
 
-    def successor(
-        self, executable: Executable, breathe: Breathe = breathless,
-    ) -> Successor:
+    def successor(self, executable: Executable, transition: Transition) -> Successor:
         """Make ready to continue with another program, while this one still runs."""
-        return Successor(self, executable, breathe)
+        return Successor(self, executable, transition)
 
     def go_on_after(self, tried: ScanCycle, plan: StatePlan, passed: int) -> None:
         """Go on where this program was left, after another one has been tried meanwhile.
@@ -292,14 +308,11 @@ class ScanCycle:
 class Successor:
     """A program made ready to take over from a running one between two scans."""
 
-    def __init__(self, old: ScanCycle, executable: Executable, breathe: Breathe) -> None:
+    def __init__(self, old: ScanCycle, executable: Executable, transition: Transition) -> None:
         """Do all that takes long."""
         self._old = old
         self._new = ScanCycle(executable, old._timer)
-        plan = plan_state(old.executable, executable, breathe)
-        self.steps = plan.steps
-        self.report = report_swap(plan, breathe=breathe)
-        self.plan = replace(plan, steps=())
+        self.plan, self.report = transition.plan, transition.report
         self._new.prepared(self._variant())
 
     @property

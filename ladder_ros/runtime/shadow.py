@@ -12,7 +12,8 @@ from operator import itemgetter
 from ladder_ros.executable import Executable, Slot, SlotClass
 from ladder_ros.model.types import NS_PER_MS, Value
 from ladder_ros.runtime.names import named_slots
-from ladder_ros.runtime.quiet import Breathe, free_slowly
+from ladder_ros.runtime.planner import Planner
+from ladder_ros.runtime.quiet import Breathe
 from ladder_ros.runtime.scan_cycle import ScanCycle, Successor
 from ladder_ros.runtime.statistics import Recorder
 from ladder_ros.runtime.tasks import Timer
@@ -100,16 +101,14 @@ class Shadow:
         self._counts: dict[str, _Count] = {}
         self._ended = ''
 
-    def prepare(self, running: ScanCycle, breathe: Breathe) -> None:
+    def prepare(self, running: ScanCycle, planner: Planner, breathe: Breathe) -> None:
         """Do all that takes long, while the running program scans."""
-        successor = running.successor(self.executable, breathe)
-        pile: list[Sequence[object]] = [successor.steps]
-        successor.steps = ()
-        free_slowly(pile, breathe)
+        successor = running.successor(self.executable, planner.transition(
+            running.executable, self.executable, breathe))
         self._successor = successor
         self._moves = dict(successor.plan.moves)
         new_slots = self.executable.slots
-        old_slots = {slot.path.casefold(): slot for slot in running.executable.slots}
+        old_slots = running.executable.by_path
         self._pairs = tuple(
             (old, new) for new in named_slots(self.executable)
             if (old := old_slots.get(new.path.casefold())) is not None and old.type is new.type

@@ -145,7 +145,8 @@ class _Matcher:
         return StatePlan(
             moves=moves, back={target: source for source, target in moves.items()},
             conversions=conversions, memories=memories, is_equal=is_equal,
-            steps=tuple(self.steps()), gather=self.gatherer(moves))
+            steps=tuple(self.steps()),
+            gather=gatherer(moves, len(old.slots), len(new.slots)))
 
     def match(self, slot: Slot, path: str, fate: Fate) -> None:
         source = self.old_slots.get(path.casefold())
@@ -208,16 +209,18 @@ class _Matcher:
                     'not in the new program')
                 yield Step(fate=Fate.DROPPED, old=slot, why=why)
 
-    def gatherer(self, moves: Mapping[int, int]) -> Callable[[State], State]:
-        """Return what picks the new state from the old one with the initial one behind it."""
-        size = len(self.old.slots)
-        sources = list(range(size, size + len(self.new.slots)))
-        for source, target in moves.items():
-            sources[target] = source
-        if len(sources) < 2:
-            return lambda values: [values[source] for source in sources]
-        pick = itemgetter(*sources)
-        return lambda values: list(pick(values))
+
+def gatherer(
+    moves: Mapping[int, int], old_size: int, new_size: int,
+) -> Callable[[State], State]:
+    """Return what picks the new state from the old one with the initial one behind it."""
+    sources = list(range(old_size, old_size + new_size))
+    for source, target in moves.items():
+        sources[target] = source
+    if len(sources) < 2:
+        return lambda values: [values[source] for source in sources]
+    pick = itemgetter(*sources)
+    return lambda values: list(pick(values))
 
 
 def _is_variable(slot: Slot) -> bool:

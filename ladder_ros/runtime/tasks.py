@@ -15,8 +15,13 @@ import math
 
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.executable import Entry, Executable, State, TaskEntry
-from ladder_ros.model.types import format_time, NS_PER_MS
+from ladder_ros.model.types import format_time, NS_PER_MS, NS_PER_S
 from ladder_ros.runtime.statistics import Recorder, Statistics
+from ladder_ros.runtime.supervisor import Limit
+
+SHORTEST_LIMIT = 100 * NS_PER_MS
+LONGEST_LIMIT = 5 * NS_PER_S
+"""How long a task may run, in ns, before it is broken off: at least, and without a watchdog."""
 
 Timer = Callable[[], int]
 """Returns the time in ns."""
@@ -44,6 +49,12 @@ class TaskStatistics:
             'jitter_ms': found.jitter_ns / NS_PER_MS,
             'max_lateness_ms': found.max_lateness_ns / NS_PER_MS,
         }
+
+
+def endless(name: str) -> Limit:
+    """Return the limit of what has no watchdog."""
+    return Limit(name=name, longest=LONGEST_LIMIT, error=lambda took: LadderError.of(
+        'L0527', Location(pou=name), name=name, took=format_time(took)))
 
 
 class RunningTask:
@@ -87,11 +98,22 @@ class RunningTask:
         self.trips += 1
         self._trips_in_a_row += 1
         if self._trips_in_a_row >= entry.sensitivity:
-            raise LadderError.of(
-                'L0525', Location(pou=entry.name), name=entry.name,
-                took=format_time(took)
-                     + (f', {entry.sensitivity} times in a row' if entry.sensitivity > 1 else ''),
-                limit=format_time(entry.watchdog))
+            raise self._tripped(format_time(took) + (
+                f', {entry.sensitivity} times in a row' if entry.sensitivity > 1 else ''))
+
+    def _tripped(self, took: str) -> LadderError:
+        return LadderError.of(
+            'L0525', Location(pou=self.entry.name), name=self.entry.name, took=took,
+            limit=format_time(self.entry.watchdog))
+
+    def limit(self) -> Limit:
+        """Return how long it may run before it is broken off."""
+        entry = self.entry
+        if not entry.watchdog:
+            return endless(entry.name)
+        return Limit(
+            name=entry.name, longest=max(entry.watchdog * entry.sensitivity, SHORTEST_LIMIT),
+            error=lambda took: self._tripped(format_time(took)))
 
     def read(self) -> TaskStatistics:
         """Return its statistics."""

@@ -26,6 +26,7 @@ MAX_VARIABLES = 50_000
 MAX_POUS = 5_000
 """Composites and bodies together."""
 MAX_TASKS = 100
+MAX_LIBRARIES = 50
 MAX_NUMBER = 100_000
 MAX_NAME = 128
 MAX_OPERAND = 300
@@ -41,6 +42,12 @@ _PART = r'[A-Za-z0-9_\-]+'
 _PLACE = rf'{_PART}(?:[./]{_PART})*'
 WAS = re.compile(rf'{_PLACE}(?:={_PLACE})?(?: +{_PLACE}(?:={_PLACE})?)*')
 """Where state was in earlier programs: paths, or ``member=path``, with blanks between."""
+BINDING = re.compile(rf'({_PART})=([A-Za-z0-9_.#+:\-]{{1,{MAX_OPERAND}}})')
+BIND = re.compile(rf'{BINDING.pattern}(?: +{BINDING.pattern})*')
+"""Arguments in short: ``parameter=operand``, with blanks between."""
+LIBRARY = re.compile(r'(?:[A-Za-z0-9_\-][A-Za-z0-9_.\-]*/)*[A-Za-z0-9_\-][A-Za-z0-9_.\-]*')
+"""Path of a library: no part begins with a dot, so that none leads out of its folder."""
+HASH = re.compile(r'[0-9a-f]{16,64}')
 ADDRESS = re.compile(r'%[IQMiqm][XBWDLxbwdl]?[0-9]+(?:\.[0-9]+)*')
 """Directly represented variable (IEC 61131-3, 6.5.5)."""
 
@@ -90,9 +97,10 @@ _ROOT_EXTRAS = ('xmlns:xsi', 'xsi:noNamespaceSchemaLocation')
 RULES: Mapping[str, Rule] = {
     'ladder': Rule(
         required=('version', 'name'), optional=_ROOT_EXTRAS,
-        children=(_SPECIFICATION, _one('composites'), _one('variables'), _one('tasks'),
-                  _many('body'))),
+        children=(_SPECIFICATION, _many('use'), _one('composites'), _one('variables'),
+                  _one('tasks'), _many('body'))),
     'specification': Rule(),
+    'use': Rule(required=('library', 'sha256')),
     'composites': Rule(children=(_many('composite'),)),
     'composite': Rule(
         required=('name', 'call'), optional=('category',),
@@ -134,7 +142,7 @@ RULES: Mapping[str, Rule] = {
     'output': Rule(required=('pin',), optional=('operand', 'row')),
     'instance': Rule(
         required=('id', 'x', 'y', 'composite', 'instance'),
-        optional=('width', 'height', 'was', *_SIDES, *_TEXTS),
+        optional=('width', 'height', 'bind', 'was', *_SIDES, *_TEXTS),
         children=(_SPECIFICATION, _many('argument'))),
     'argument': Rule(required=('parameter',), optional=('operand', 'source')),
 }

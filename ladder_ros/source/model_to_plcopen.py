@@ -23,6 +23,8 @@ from ladder_ros.model.component import (
     ContactKind,
     Instance,
     InVariable,
+    Jump,
+    Label,
     OutVariable,
     PinEdge,
 )
@@ -37,10 +39,14 @@ from ladder_ros.model.derived import (
     Type,
 )
 from ladder_ros.model.program import Order, Rung, Wire
+from ladder_ros.model.st_printing import print_statements
 from ladder_ros.model.types import DataType, format_literal, NS_PER_MS, Value
 
 RAIL_X = 20
 _NOT_XML = re.compile('[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
+_CODE = 'http://www.3s-software.com/plcopenxml/stcode'
+"""Where CODESYS keeps the statements of an EXECUTE box."""
+
 _DATE = '2026-01-01T00:00:00'
 
 
@@ -258,10 +264,11 @@ class _Writer:
                '<connectionPointOut formalParameter=""><relPosition x="3" y="20"/>'
                '</connectionPointOut></leftPowerRail>')
         shapes = _Shapes(ids=ids, wires=wires, places=places, pins=pins, project=self.project)
-        is_numbered, order = rung.order is Order.DOCUMENT, 0
+        is_numbered, order = _is_numbered(rung), 0
         for component in rung.components:
             number = 0
-            if is_numbered and isinstance(component, (Coil, OutVariable, Block, Instance)):
+            if is_numbered and isinstance(
+                component, (Coil, OutVariable, Jump, Label, Block, Instance)):
                 order += 1
                 number = order
             yield from shapes.component(component, number)
@@ -271,6 +278,13 @@ class _Writer:
                '<connectionPointIn><relPosition x="0" y="20"/>'
                + ''.join(f'<connection refLocalId="{end}"/>' for end in ends)
                + '</connectionPointIn></rightPowerRail>')
+
+
+def _is_numbered(rung: Rung) -> bool:
+    """Say whether numbers must tell the order: where neither positions nor the document do."""
+    spots = {(c.placement.x, c.placement.y) for c in rung.components}
+    return rung.order is Order.DOCUMENT and (
+        len(spots) > 1 or any(isinstance(c, Jump) and c.at_once for c in rung.components))
 
 
 def _local_ids(components: Sequence[Component]) -> dict[str, str]:
@@ -321,6 +335,13 @@ class _Shapes:
                 yield (f'            <outVariable {head}{_negated(component.negated)}>{at}'
                        f'{self.taken(component, "")}'
                        f'<expression>{escape(component.operand)}</expression></outVariable>')
+            case Jump():
+                tag = f'jump label={quoteattr(component.label)}' if component.label else 'return'
+                yield (f'            <{tag} {head}>{at}'
+                       f'{self.taken(component, "")}{_inverted(component)}</{tag.split()[0]}>')
+            case Label():
+                yield (f'            <label label={quoteattr(component.label)} {head}>{at}'
+                       '</label>')
             case Block() | Instance():
                 yield from self.block(component, head, at)
             case _:
@@ -391,7 +412,6 @@ class _Shapes:
         yield f'            <block {head} typeName={quoteattr(type_)}{name}>{at}'
         ins, outs = self.all_pins(block)
         modifiers = {m.pin.casefold(): m for m in block.modifiers}
-        both = [pin for pin in outs if pin in ins and isinstance(block, Instance)]
 
         def marks(pin: str) -> str:
             modifier = modifiers.get(pin.casefold())
@@ -400,26 +420,23 @@ class _Shapes:
             edge = '' if modifier.edge is PinEdge.NONE else f' edge="{modifier.edge.value}"'
             return _negated(modifier.negated) + edge
 
+        # An in-out pin stands on both sides: editors leave out what is in inOutVariables.
         yield '              <inputVariables>'
         for index, pin in enumerate(ins):
-            if pin not in both:
-                yield (f'                <variable formalParameter={quoteattr(pin)}{marks(pin)}>'
-                       f'{self.taken(block, pin, pin_y(index))}</variable>')
-        yield '              </inputVariables>'
-        yield '              <inOutVariables>'
-        for pin in both:
             yield (f'                <variable formalParameter={quoteattr(pin)}{marks(pin)}>'
-                   f'{self.taken(block, pin, pin_y(ins.index(pin)))}<connectionPointOut>'
-                   f'<relPosition x="{block.placement.width}" y="{pin_y(outs.index(pin))}"/>'
-                   '</connectionPointOut></variable>')
-        yield '              </inOutVariables>'
+                   f'{self.taken(block, pin, pin_y(index))}</variable>')
+        yield '              </inputVariables>'
+        yield '              <inOutVariables/>'
         yield '              <outputVariables>'
         for index, pin in enumerate(outs):
-            if pin not in both:
-                yield (f'                <variable formalParameter={quoteattr(pin)}{marks(pin)}>'
-                       f'<connectionPointOut><relPosition x="{block.placement.width}" '
-                       f'y="{pin_y(index)}"/></connectionPointOut></variable>')
+            yield (f'                <variable formalParameter={quoteattr(pin)}{marks(pin)}>'
+                   f'<connectionPointOut><relPosition x="{block.placement.width}" '
+                   f'y="{pin_y(index)}"/></connectionPointOut></variable>')
         yield '              </outputVariables>'
+        if isinstance(block, Block) and block.statements:
+            text = escape('\n'.join(print_statements(block.statements)))
+            yield (f'              <addData><data name="{_CODE}" handleUnknown="implementation">'
+                   f'<STCode xmlns="">{text}</STCode></data></addData>')
         yield '            </block>'
 
 
@@ -430,6 +447,14 @@ def pin_y(index: int) -> int:
 
 def _middle(component: Component) -> int:
     return max(component.placement.height, 1) // 2
+
+
+def _inverted(jump: Jump) -> str:
+    """Return what says that a jump is negated: the format has no attribute for that."""
+    if not jump.negated:
+        return ''
+    return ('<addData><data name="ladder_ros/negated" handleUnknown="implementation">'
+            '<negated value="true"/></data></addData>')
 
 
 def _negated(negated: bool) -> str:

@@ -27,6 +27,8 @@ from ladder_ros.model.component import (
     ContactKind,
     Instance,
     InVariable,
+    Jump,
+    Label,
     OutVariable,
     Placement,
     Row,
@@ -45,7 +47,7 @@ from ladder_ros.model.program import (
     VariableClass,
 )
 from ladder_ros.model.types import format_time
-from ladder_ros.source.grammar import VERSION
+from ladder_ros.source.grammar import BINDING, MAX_ATTRIBUTE, VERSION
 
 _Attributes = list[tuple[str, str]]
 _Lines = Iterator[str]
@@ -73,9 +75,12 @@ def write_program(program: Program) -> str:
 
 def _program(program: Program) -> _Lines:
     yield from _specification(program.specification)
-    if program.composites:
+    for use in program.uses:
+        yield from _element('use', [('library', use.library), ('sha256', use.sha256)], [])
+    own = [composite for composite in program.composites if not composite.library]
+    if own:
         yield from _element('composites', [], (
-            line for composite in program.composites for line in _composite(composite)))
+            line for composite in own for line in _composite(composite)))
     if program.variables:
         yield from _element('variables', [], (
             line for variable in program.variables for line in _variable(variable)))
@@ -195,9 +200,11 @@ def _component(component: Component) -> _Lines:
         case Instance(composite=composite, instance=instance):
             tag = 'instance'
             attributes += [('composite', composite), ('instance', instance)]
-            arguments = [
+            bind = _bindings(component.arguments)
+            attributes += _optional('bind', bind)
+            arguments = [] if bind else [
                 line for item in component.arguments for line in _argument('argument', item)]
-        case InVariable() | OutVariable():
+        case InVariable() | OutVariable() | Jump() | Label():
             raise InternalError('model_to_xml', 'our format has no wires', component.location)
         case _:
             assert_never(component)
@@ -220,6 +227,14 @@ def _placement(identifier: str, placement: Placement) -> _Attributes:
 def _sides(placement: Placement) -> _Attributes:
     return [*_optional('up', placement.up.value, Side.NONE.value),
             *_optional('down', placement.down.value, Side.NONE.value)]
+
+
+def _bindings(arguments: tuple[Argument, ...]) -> str:
+    """Return the arguments in short, or nothing where one of them cannot be written so."""
+    texts = [f'{argument.pin}={argument.operand}' for argument in arguments]
+    text = ' '.join(texts)
+    is_short = all(BINDING.fullmatch(one) for one in texts) and len(text) <= MAX_ATTRIBUTE
+    return text if is_short else ''
 
 
 def _argument(tag: str, argument: Argument) -> _Lines:

@@ -15,6 +15,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 import os
 from pathlib import Path
+import re
 from typing import TypeVar
 
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location
@@ -28,6 +29,7 @@ PROJECT_FILE = 'project.json'
 POUS = 'pous'
 TEXTS = ('.ld', '.fbd', '.st', '.il', '.sfc', '.py', '.cpp')
 """Files that hold a POU, its header as text."""
+_DRAWING = re.compile(rb'\{\s*"(?:name|comment|rungs|nodes|edges)"\s*:')
 _BY_NAME = frozenset({*TEXTS, '.json'})
 MAX_PROJECT_BYTES = 64 * 1024 * 1024
 _MAX_FOLDERS = 1000
@@ -54,6 +56,11 @@ def pou_files(folder: Path) -> list[Path]:
                 'L0107', Location(file=os.fspath(folder)), what=f'more than {MAX_POUS} POUs',
                 limit=f'{MAX_POUS} POUs')
     return sorted(path for path in found.values())
+
+
+def is_drawn_pou(data: bytes) -> bool:
+    """Say whether a text is a POU of a project whose body is a drawing, in JSON."""
+    return _DRAWING.search(data) is not None
 
 
 def _files(folder: Path) -> Iterator[Path]:

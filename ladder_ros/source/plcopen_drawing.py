@@ -20,6 +20,8 @@ from ladder_ros.model.component import (
     ContactKind,
     Instance,
     InVariable,
+    Jump,
+    Label,
     OutVariable,
     PinEdge,
     PinModifier,
@@ -43,7 +45,7 @@ _SAME_LINE = 10
 
 _SILENT = frozenset({
     'comment', 'vendorElement', 'error', 'rightPowerRail', 'leftPowerRail', 'addData',
-    'documentation', 'label',
+    'documentation',
 })
 _SFC = frozenset({
     'step', 'macroStep', 'jumpStep', 'transition', 'selectionDivergence', 'selectionConvergence',
@@ -51,9 +53,8 @@ _SFC = frozenset({
 })
 _DRAWN = frozenset({
     'contact', 'coil', 'block', 'inVariable', 'outVariable', 'inOutVariable', 'connector',
-    'continuation', 'leftPowerRail',
+    'continuation', 'leftPowerRail', 'jump', 'return', 'label',
 })
-_CONTROL = {'jump': 'it has a jump', 'return': 'it has a return'}
 
 
 @dataclass(slots=True, kw_only=True)
@@ -115,8 +116,6 @@ class _Reader:
         for element in self.body.children:
             if element.tag in _SFC:
                 unsupported = 'it is written in SFC'
-            elif element.tag in _CONTROL:
-                unsupported = unsupported or _CONTROL[element.tag]
             elif element.tag in _DRAWN:
                 self.add_part(element)
             elif element.tag not in _SILENT:
@@ -200,6 +199,10 @@ class _Reader:
                     self.wire(pin.element, Port(component=part.id, pin=pin.name))
             case 'contact' | 'coil' | 'outVariable' | 'inOutVariable':
                 self.wire(part.element, Port(component=part.written))
+            case 'jump' | 'return':
+                self.wire(part.element, Port(component=part.id))
+                if not any(_connections(part.element)):
+                    self.wires[Wire(source=Port(), target=Port(component=part.id))] = None
             case _:
                 pass
 
@@ -289,8 +292,30 @@ class _Reader:
                 yield from self.data(part)
             case 'block':
                 yield from self.block(part)
+            case 'jump' | 'return':
+                label = self.label(part) if element.tag == 'jump' else ''
+                if label or element.tag == 'return':
+                    yield Jump(id=part.id, placement=part.placement, label=label,
+                               negated=_is_negated_jump(element), location=part.location,
+                               at_once=_number(element) > 0)
+            case 'label':
+                if label := self.label(part):
+                    yield Label(id=part.id, placement=part.placement, label=label,
+                                location=part.location)
             case _:
                 pass
+
+    def label(self, part: _Part) -> str:
+        """Return the name at a jump or label; '' after reporting why there is none."""
+        text = part.element.attributes.get('label', '').strip()
+        if not text.strip('?'):
+            self.report.add('L0133', part.location, what=f'a {part.element.tag}',
+                            help='give it the name of a label in the editor')
+        elif not NAME.fullmatch(text):
+            self.report.add('L0202', part.location, name=text)
+        else:
+            return text
+        return ''
 
     def operand(self, element: Element, *tags: str) -> str:
         """Return what stands in the first of the elements; '' where a tool puts ??? as well."""
@@ -414,6 +439,17 @@ class _Reader:
 
     # -- order ------------------------------------------------------------------------------
 
+    def label_numbers(self, numbers: Mapping[str, float]) -> dict[str, float]:
+        """Number the labels that have none: before what is drawn beside or below them."""
+        found: dict[str, float] = {}
+        for label in self.parts:
+            if label.element.tag == 'label' and label.id not in numbers:
+                middle = label.placement.y + label.placement.height / 2
+                below = [numbers[part.id] for part in self.parts if part.id in numbers
+                         and part.placement.y + part.placement.height > middle]
+                found[label.id] = min(below) - 0.5 if below else max(numbers.values()) + 0.5
+        return found
+
     def ordered(self, components: list[Component]) -> tuple[list[Component], Order]:
         """Return the components and the rule of their order.
 
@@ -421,14 +457,25 @@ class _Reader:
         neither says anything, the document does.
         """
         numbers = {
-            part.id: number for part in self.parts
-            if (number := coordinate(part.element.attributes.get('executionOrderId')) or 0) > 0}
+            part.id: number for part in self.parts if (number := _number(part.element)) > 0}
         if numbers:
+            numbers.update(self.label_numbers(numbers))
             first = sorted((c for c in components if c.id in numbers), key=lambda c: numbers[c.id])
             rest = [c for c in components if c.id not in numbers]
             return first + sorted(rest, key=cmp_to_key(_by_position)), Order.DOCUMENT
         places = {(c.placement.x, c.placement.y) for c in components}
         return components, Order.DOCUMENT if len(places) <= 1 else Order.POSITION_ALL
+
+
+def _number(element: Element) -> float:
+    return coordinate(element.attributes.get('executionOrderId')) or 0
+
+
+def _is_negated_jump(element: Element) -> bool:
+    """Say whether a jump is taken while there is no power, as tools write it each in its way."""
+    marks = [mark for data in children(element, 'addData') for part in children(data, 'data')
+             for mark in children(part, 'negated')]
+    return _flag(element, 'negated') or any(_flag(mark, 'value') for mark in marks)
 
 
 def _by_position(first: Component, second: Component) -> int:

@@ -177,8 +177,8 @@ class Declarations:
                into: Interface) -> None:
         if not found.known:
             self._report.add('L0141', element, name=name, type=found.name)
-        if section in (Section.INPUT, Section.OUTPUT, Section.INOUT):
-            into.unsupported = f'its parameter {name} is a function block'
+        if section is Section.INOUT:
+            into.unsupported = f'its in-out parameter {name} is a function block'
         if child(element, 'initialValue') is not None:
             self._report.omit(
                 element, f'the initial value of {name}', 'a function block starts afresh')

@@ -153,6 +153,8 @@ class Types:
             return Typed(type=_ELEMENTARY.get(key, DataType.STRING))
         if key in _MISSING:
             return NoType(reason=f'there is no type {name.upper()} here', fatal=False)
+        if key.removeprefix('hmi_') in _ELEMENTARY:  # a variable of Beremiz's own operator pages
+            return Typed(type=_ELEMENTARY[key.removeprefix('hmi_')])
         kind = CATALOGUE.get(name.upper())
         known = key in self._pous or (kind is not None and not kind.is_function)
         return BlockType(name=name, known=known)
@@ -202,8 +204,10 @@ class Types:
     def _element_type(self, element: Element | None, what: str) -> Typed | NoType:
         found = self.declared(element)
         if isinstance(found, BlockType):
-            reason = f'{what} is the function block {found.name}' if found.known \
-                else f'{what} has the unknown type {found.name}'
+            reason = f'{what} names no type'
+            if found.name:
+                kind = 'is the function block' if found.known else 'has the unknown type'
+                reason = f'{what} {kind} {found.name}'
             return NoType(reason=reason, fatal=True)
         if isinstance(found, NoType):
             return NoType(reason=f'{what}: {found.reason}', fatal=found.fatal)

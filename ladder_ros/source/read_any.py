@@ -8,9 +8,11 @@ import hashlib
 import os
 from pathlib import Path
 
+from ladder_ros.diagnostics import LadderError, Location, problem
 from ladder_ros.model.program import Program
 from ladder_ros.source.import_options import import_options, with_options
-from ladder_ros.source.openplc_files import pou_files, PROJECT_FILE
+from ladder_ros.source.libraries import with_libraries
+from ladder_ros.source.openplc_files import is_drawn_pou, pou_files, POUS, PROJECT_FILE
 from ladder_ros.source.openplc_to_model import read_openplc
 from ladder_ros.source.plcopen_project import is_project
 from ladder_ros.source.plcopen_to_model import parse_project
@@ -34,19 +36,32 @@ def read_any(path: str | os.PathLike[str]) -> Program:
 def parse_any(data: bytes, file: str = '') -> Program:
     """Read a program from the bytes of an XML file; ``file`` is its name in locations."""
     if is_st(data):
+        if is_drawn_pou(data):
+            raise LadderError.of('L0153', Location(file=file, line=1), name=Path(file).name)
         return parse_st(data, file)
     namespace, tag = root_element(data)
     if is_project(namespace, tag):
         return with_options(parse_project(data, file), import_options(file))
-    return parse_program(data, file)
+    if tag == 'project':
+        raise LadderError([problem(
+            'L0102', Location(file=file), root='<project>', help=(
+                'a PLCopen project has a namespace such as http://www.plcopen.org/xml/tc6_0201, '
+                f'and not {namespace or "none"}'))])
+    return with_libraries(parse_program(data, file), file)
 
 
 def openplc_folder(path: str) -> Path | None:
-    """Return the folder of an OpenPLC v4 project that a path means, or None if it means none."""
+    """Return the folder of an OpenPLC v4 project that a path means, or None if it means none.
+
+    A file of a POU means the project that it belongs to.
+    """
     try:
         given = Path(path)
         if given.name == PROJECT_FILE and given.is_file():
             return given.parent
+        if given.is_file():
+            return next((above.parent for above in given.absolute().parents
+                         if above.name == POUS and (above.parent / PROJECT_FILE).is_file()), None)
         return given if given.is_dir() and (given / PROJECT_FILE).is_file() else None
     except (OSError, ValueError):  # a NUL in the path: reading it says so
         return None

@@ -19,6 +19,7 @@ from ladder_ros.model.st import (
     CallExpression,
     CallStatement,
     CaseStatement,
+    ContinueStatement,
     ExitStatement,
     Expression,
     Field,
@@ -146,10 +147,8 @@ def _exit(at: Location, parts: list[Any]) -> ExitStatement:
     return ExitStatement(location=at)
 
 
-def _continue(at: Location, parts: list[Any]) -> Statement:
-    raise LadderError.of(
-        'L0120', at, column=1, what='CONTINUE is not supported',
-        expected='put the rest of the loop into an IF')
+def _continue(at: Location, parts: list[Any]) -> ContinueStatement:
+    return ContinueStatement(location=at)
 
 
 def _return(at: Location, parts: list[Any]) -> ReturnStatement:

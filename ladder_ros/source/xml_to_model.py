@@ -7,9 +7,10 @@ Form only: names are legal here, whether they mean something is the compiler's t
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 import difflib
 from enum import Enum
+from functools import cache
 import math
 import os
 import re
@@ -41,6 +42,7 @@ from ladder_ros.model.program import (
     Rung,
     RunKind,
     Task,
+    Use,
     Variable,
     VariableClass,
 )
@@ -215,7 +217,7 @@ class _Reader:
         value = element.attributes.get(attribute)
         if value is None:
             return default
-        known = {str(word.value): word for word in words or type(default)}
+        known: Mapping[str, _Word] = _by_value(words or type(default))
         if value not in known:
             self.bad_value(element, attribute, _allowed(value, tuple(known), 'write one of'))
         return known.get(value, default)
@@ -298,6 +300,7 @@ class _Reader:
             self.bad_value(element, 'xmlns:xsi', f'write {grammar.SCHEMA_INSTANCE}')
         name, place = self.name(element, 'name'), self.here(element)
         specification = ''
+        uses: list[Use] = []
         composites: list[Composite] = []
         variables: list[Variable] = []
         tasks: list[Task] = []
@@ -306,6 +309,8 @@ class _Reader:
             match child.tag:
                 case 'specification':
                     specification = self.specification(child)
+                case 'use':
+                    uses.append(self.use(child))
                 case 'composites':
                     composites += [self.composite(inner) for inner in self.section(child)]
                 case 'variables':
@@ -316,9 +321,24 @@ class _Reader:
                 case _:
                     bodies.append(self.body(child))
         return Program(
-            name=name, bodies=tuple(bodies), composites=tuple(composites),
+            name=name, bodies=tuple(bodies), composites=tuple(composites), uses=tuple(uses),
             variables=tuple(variables), tasks=tuple(tasks), specification=specification,
             location=place)
+
+    def use(self, element: Element) -> Use:
+        self.count(element, 'libraries', grammar.MAX_LIBRARIES)
+        self.check(element, RULES['use'])
+        attributes = element.attributes
+        below = 'write a path below the folder of the program: library/elevator.xml'
+        digits = 'write 16 to 64 hexadecimal digits; ladder library PROGRAM update does'
+        for attribute, form, expected in (
+                ('library', grammar.LIBRARY, below), ('sha256', grammar.HASH, digits)):
+            value = attributes.get(attribute)
+            if value is not None and (
+                    len(value) > grammar.MAX_OPERAND or not form.fullmatch(value)):
+                self.bad_value(element, attribute, expected)
+        return Use(library=attributes.get('library', ''), sha256=attributes.get('sha256', ''),
+                   location=self.here(element))
 
     def section(self, element: Element) -> Iterator[Element]:
         rule = RULES[element.tag]
@@ -512,9 +532,24 @@ class _Reader:
                 return Instance(
                     id=identifier, placement=placement,
                     composite=self.operand(element, 'composite'),
-                    instance=self.name(element, 'instance'), arguments=tuple(inner['argument']),
+                    instance=self.name(element, 'instance'),
+                    arguments=(*self.bound(element), *inner['argument']),
                     was=self.was(element), name=name, comment=comment,
                     specification=specification, location=place)
+
+    def bound(self, element: Element) -> tuple[Argument, ...]:
+        """Return the arguments that an instance gives in short."""
+        value = element.attributes.get('bind')
+        if value is None:
+            return ()
+        if not grammar.BIND.fullmatch(value):
+            self.bad_value(
+                element, 'bind', 'write parameter=operand with blanks between them: '
+                                 'Floor=served_1 Delay=T#2s; for text in quotes write <argument>s')
+            return ()
+        place = self.here(element)
+        return tuple(Argument(pin=pin, operand=operand, location=place)
+                     for pin, operand in grammar.BINDING.findall(value))
 
     def argument(self, element: Element) -> Argument:
         rule = RULES[element.tag]
@@ -530,6 +565,12 @@ class _Reader:
             pin=pin, operand=self.operand(element), source=self.operand(element, 'source'),
             row=self.number(element, 'row') if 'row' in attributes else None,
             location=self.here(element))
+
+
+@cache
+def _by_value(words: tuple[_Word, ...] | type[_Word]) -> Mapping[str, _Word]:
+    """Return words by how they are written."""
+    return {str(word.value): word for word in words}
 
 
 def _allowed(word: str, known: Iterable[str], verb: str = 'allowed here:') -> str:

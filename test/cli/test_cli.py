@@ -63,7 +63,7 @@ def inside(
 
 VERBS: dict[str, Sequence[str]] = {
     'check': (), 'show': (), 'dump': ('--stage', 'il'), 'export': ('--to', 'xml'),
-    'simulate': ('--inputs', 'in.csv'),
+    'simulate': ('--inputs', 'in.csv'), 'edit': ('set-rung', '1', '--comment', 'seal-in'),
 }
 
 

@@ -16,6 +16,7 @@ from compiler.imported_programs import (
     variables,
     wired,
 )
+from ladder_ros.compiler.pipeline import check_program
 from ladder_ros.model.types import NS_PER_MS
 
 MS = NS_PER_MS
@@ -346,3 +347,58 @@ def test_user_function_block_when_a_timer_is_in_it_then_it_holds_while_en_is_fal
     assert run.scan(10, go=True, a=True)['w.t.et'] == 10 * MS
     assert run.scan(20, go=False, a=False)['w.t.et'] == 10 * MS
     assert run.scan(30, go=True, a=True)['q'] is True
+
+
+GRIPPER = (
+    '<pou name="Gripper" pouType="functionBlock"><interface>'
+    + variables('inputVars', close='BOOL', delay='<derived name="TON"/>')
+    + variables('outputVars', closed='BOOL')
+    + '</interface><body><ST><p>delay(IN := close, PT := T#20ms); closed := delay.Q;</p></ST>'
+    '</body></pou>')
+
+
+def test_function_block_when_it_is_an_input_then_it_is_an_instance_of_its_own() -> None:
+    run = Run(program(
+        element('contact', 1, [0], 'go') + block('Gripper', 2, [pin('close', 1)], ['closed'],
+                                                 name='left')
+        + wired('coil', 3, '2.closed', 'q') + element('inVariable', 4, text='left.delay.Q')
+        + element('outVariable', 5, [4], 'done', y=90),
+        variables(go='BOOL', q='BOOL', done='BOOL', left='<derived name="Gripper"/>'),
+        pous=GRIPPER))
+    shown = [run.scan(ms, go=True) for ms in (0, 10, 20)]
+    assert [(values['q'], values['done']) for values in shown] == [
+        (False, False), (False, False), (True, True)]
+
+
+def test_function_block_when_wired_to_such_an_input_then_l0227() -> None:
+    drawn = program(
+        element('inVariable', 1, text='t') + block('Gripper', 2, [pin('delay', 1)], ['closed'],
+                                                   name='left')
+        + wired('coil', 3, '2.closed', 'q'),
+        variables(q='BOOL', t='<derived name="TON"/>', left='<derived name="Gripper"/>'),
+        pous=GRIPPER)
+    assert 'L0227' in [problem.code for problem in check_program(drawn)]
+
+
+# -- what is wired to the inputs of standard blocks -----------------------------------------------
+
+def test_counter_when_its_pins_get_power_then_each_is_read_by_name() -> None:
+    run = Run(program(
+        element('contact', 1, [0], 'up') + element('contact', 2, [0], 'zero', y=30)
+        + element('inVariable', 3, text='n', y=60)
+        + block('CTU', 4, [pin('CU', 1), pin('R', 2), pin('PV', 3)], ['Q'], name='k')
+        + wired('coil', 5, '4.Q', 'full'),
+        variables(up='BOOL', zero='BOOL', n='INT', full='BOOL', k='<derived name="CTU"/>')))
+    for up, zero, n in ((True, False, 3), (False, True, 7)):
+        values = run.scan(up=up, zero=zero, n=n)
+        assert (values['k.cu'], values['k.r'], values['k.pv']) == (up, zero, n)
+
+
+def test_timer_when_its_pins_are_wired_then_each_is_read_by_name() -> None:
+    run = Run(program(
+        element('contact', 1, [0], 'go') + element('inVariable', 3, text='T#20ms', y=60)
+        + block('TON', 4, [pin('IN', 1), pin('PT', 3)], ['Q'], name='t')
+        + wired('coil', 5, '4.Q', 'q'),
+        variables(go='BOOL', q='BOOL', t='<derived name="TON"/>')))
+    assert [run.scan(go=go)['t.in'] for go in (True, False)] == [True, False]
+    assert run.scan()['t.pt'] == 20 * MS

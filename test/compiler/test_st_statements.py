@@ -122,6 +122,27 @@ def test_exit_when_other_loops_follow_then_they_are_skipped() -> None:
     assert after(text, 'x') == 4
 
 
+@pytest.mark.parametrize(('text', 'n'), [
+    ('FOR i := 1 TO 6 DO IF i MOD 2 = 0 THEN CONTINUE; END_IF; n := n + i; END_FOR', 9),
+    ('WHILE i < 6 DO i := i + 1; IF i = 2 THEN CONTINUE; END_IF; n := n + i; END_WHILE', 19),
+    ('REPEAT i := i + 1; IF i > 2 THEN CONTINUE; END_IF; n := n + 1; UNTIL i = 6 END_REPEAT', 2),
+    ("""FOR i := 1 TO 6 DO
+          IF i = 2 THEN CONTINUE; ELSIF i = 5 THEN EXIT; END_IF; n := n + i;
+        END_FOR""", 8),
+    ("""FOR i := 1 TO 3 DO
+          FOR j := 1 TO 4 DO IF j > i THEN CONTINUE; END_IF; n := n + 1; END_FOR;
+          IF i = 2 THEN CONTINUE; END_IF; n := n + 10;
+        END_FOR""", 26),
+    ("""FOR i := 1 TO 3 DO
+          FOR j := 1 TO 4 DO IF j > 1 THEN EXIT; END_IF; n := n + 1; END_FOR;
+          CASE i OF 1: CONTINUE; ELSE n := n + 10; END_CASE;
+        END_FOR""", 23),
+    ('FOR i := 1 TO 9 DO CONTINUE; n := 1; END_FOR', 0),
+])
+def test_continue_when_in_a_loop_then_the_next_round_follows(text: str, n: int) -> None:
+    assert after(text) == n
+
+
 def test_while_when_condition_is_false_at_once_then_nothing_is_done() -> None:
     assert after('WHILE x > 0 DO n := n + 1; x := x - 1; END_WHILE') == 0
     assert after('WHILE x > 0 DO n := n + 1; x := x - 1; END_WHILE', x=4) == 4
@@ -237,6 +258,12 @@ TWICE = pou('Twice', 'Twice := 2 * x; seen := seen + 1; count := seen; x := 0;',
             variables={'seen': T.INT})
 
 
+def test_own_function_when_called_in_a_subscript_then_its_result_is_the_index() -> None:
+    made = program('a[2] := 7; n := a[Twice(1)];', {
+        **INTS, 'a': Array(bounds=((0, 3),), element=T.INT)}, composites=[TWICE])
+    assert run(made)[-1]['n'] == 7
+
+
 def test_own_function_when_called_often_then_each_call_starts_afresh() -> None:
     made = program('n := Twice(Twice(3)) + Twice(x := 1, count => m); m := m + Twice(n) - 28;',
                    INTS, composites=[TWICE])
@@ -256,6 +283,7 @@ def test_own_function_when_it_is_called_in_a_loop_then_each_round_is_afresh() ->
 
 @pytest.mark.parametrize(('text', 'expected'), [
     ('EXIT;', ['L0225 EXIT may not stand outside a loop']),
+    ('IF TRUE THEN CONTINUE; END_IF', ['L0225 CONTINUE may not stand outside a loop']),
     ('FOR i := 1 TO 3 BY 0 DO ; END_FOR', ['L0225 BY 0 may not stand in FOR']),
     ('FOR r := 1 TO 3 DO ; END_FOR', ['L0204 r is REAL, but an integer is needed here']),
     ('FOR i := 1 TO r DO i := s; END_FOR', ['L0204 r is REAL, but INT is needed here']),
@@ -332,7 +360,9 @@ def wrapped(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
             lambda b: f'IF n > i THEN {b[0]} ELSIF x < y THEN {b[1]} ELSE {b[2]} END_IF'),
         st.tuples(bodies, bodies).map(
             lambda b: f'CASE i OF 1, 3: {b[0]} 4..6: {b[1]} END_CASE'),
-        bodies.map(lambda b: f'FOR j := 1 TO 3 DO {b} END_FOR'),
+        bodies.map(lambda b: f'FOR ? := 1 TO 3 DO {b} END_FOR'),
+        st.tuples(bodies, bodies).map(lambda b: (
+            f'FOR ? := 1 TO 4 DO {b[0]} IF n > i THEN CONTINUE; END_IF; {b[1]} END_FOR')),
         bodies.map(lambda b: f'i := 0; WHILE i < 4 DO i := i + 1; {b} IF n > 90 THEN EXIT; '
                              'END_IF; n := n + 1; END_WHILE'))
 
@@ -340,8 +370,12 @@ def wrapped(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
 @given(st.lists(st.recursive(SIMPLE, wrapped, max_leaves=8), max_size=4).map(' '.join))
 @settings(max_examples=60)
 def test_statements_when_random_then_all_backends_agree(text: str) -> None:
+    loops = text.count('?')  # each with a variable of its own, so that all of them end
+    for number in range(loops):
+        text = text.replace('?', f'k{number}', 1)
     body = f'WHILE TRUE DO {text} EXIT; END_WHILE'
-    made = program(body, {**INTS, 'a': Array(bounds=((0, 4),), element=T.INT)},
+    counters: dict[str, Type] = {f'k{number}': T.INT for number in range(loops)}
+    made = program(body, {**INTS, **counters, 'a': Array(bounds=((0, 4),), element=T.INT)},
                    blocks={'c': 'CTU'}, composites=[TWICE])
     run(made, [{'x': 1}, {'x': 5}, {}])
 

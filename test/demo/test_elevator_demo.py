@@ -53,12 +53,14 @@ def test_demo_when_run_for_a_while_then_passengers_are_served_and_all_is_well(de
     scans = re.search(r'scans       (\d+), every 10 ms', child.output)
     assert served and scans, child.output
     assert int(served.group(1)) >= 1 and int(scans.group(1)) > 1000
-    assert 'violations  none' in child.output and 'floor 3' in child.output
+    assert 'violations  none' in child.output and 'floor 8' in child.output
+    assert re.search(r'executed    [1-5]\d% of the program', child.output), child.output
+    assert re.search(r'tasks   (up|down) / (moving|serving)', child.output), child.output
     assert status == 0
 
 
 def test_demo_when_interrupted_then_no_process_is_left(demo: Any) -> None:
-    child = demo('--seconds', '60')
+    child = demo('--seconds', '60', '--floors', '3')
     child.wait_for_output('running  elevator_3_floor', timeout=60)
     started = children_of(child.pid)
     child.interrupt()

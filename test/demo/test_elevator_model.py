@@ -9,12 +9,15 @@ from hypothesis import strategies as st
 import pytest
 
 from ladder_ros.demo.elevator_drawing import Picture
-from ladder_ros.demo.elevator_model import CAPACITY, COMMANDS, Passenger, Plant, SENSORS
+from ladder_ros.demo.elevator_model import CAPACITY, Passenger, Plant
 from ladder_ros.demo.elevator_plant import report
+from ladder_ros.demo.elevators import EIGHT, Elevator, ELEVATORS, THREE
 from ladder_ros.resources import find_resource
 from ladder_ros.runtime.scan_cycle import ScanCycle
 from ladder_ros.session import compile_file, find_slot
 
+COMMANDS = THREE.commands
+BOTH = pytest.mark.parametrize('elevator', ELEVATORS.values(), ids=lambda made: made.program)
 QUIET = 1e9
 """A mean gap with which nobody comes."""
 
@@ -101,18 +104,45 @@ def test_plant_when_seeded_alike_then_the_passengers_are_the_same() -> None:
     assert report(first) == report(second) and first.arrivals > 3
 
 
-def test_passengers_when_the_program_serves_them_then_half_a_minute_is_enough_to_see_it() -> None:
-    executable = compile_file(find_resource('programs', 'elevator_3_floor.xml')).executable
-    slots = {name: find_slot(executable, name).index for name in (*SENSORS, *COMMANDS)}
+@BOTH
+def test_passengers_when_the_program_serves_them_then_half_a_minute_is_enough_to_see_it(
+        elevator: Elevator) -> None:
+    executable = compile_file(find_resource('programs', f'{elevator.program}.xml')).executable
+    slots = {name: find_slot(executable, name).index
+             for name in (*elevator.sensors, *elevator.commands)}
     for seed in range(1, 21):
-        machine, cycle = Plant(seed=seed), ScanCycle(executable)
+        machine, cycle = Plant(elevator=elevator, seed=seed), ScanCycle(executable)
         for scan in range(2800):
             if scan % 2 == 0:
-                machine.step(0.02, {name: bool(cycle.state[slots[name]]) for name in COMMANDS})
+                machine.step(
+                    0.02, {name: bool(cycle.state[slots[name]]) for name in elevator.commands})
                 for name, value in machine.sensors().items():
                     cycle.write(slots[name], value)
             cycle.scan(scan * 10_000_000)
-        assert (machine.served >= 3, machine.violations) == (True, []), f'seed {seed}'
+        least = 3 if elevator is THREE else 1
+        assert (machine.served >= least, machine.violations) == (True, []), f'seed {seed}'
+
+
+@BOTH
+def test_elevator_when_listed_then_it_has_the_inputs_and_outputs_of_its_program(
+        elevator: Elevator) -> None:
+    executable = compile_file(find_resource('programs', f'{elevator.program}.xml')).executable
+    outline, slots = executable.outline, executable.slots
+    assert {slots[index].path for index in outline.inputs} == set(elevator.sensors)
+    assert {slots[index].path for index in outline.outputs} == {
+        *elevator.commands, elevator.number}
+    for task, substates in elevator.tasks:
+        assert all(executable.slot(name) for name in (task, *substates))
+
+
+def test_passenger_when_the_cabin_goes_the_other_way_then_waits_for_the_next() -> None:
+    machine = Plant(elevator=EIGHT, position=2.0, mean_gap=QUIET)
+    machine._next_arrival = QUIET
+    machine.waiting.append(Passenger(origin=3, goal=8, arrived=0.0))
+    for lamp, riding in (('state_down', 0), ('state_up', 1)):
+        for _ in range(60):
+            machine.step(0.02, {'door_open': True, 'state_down': False, lamp: True})
+        assert len(machine.riding) == riding
 
 
 def test_passenger_when_the_cabin_has_just_come_then_waits_for_the_door() -> None:
@@ -134,20 +164,29 @@ def test_passenger_when_the_cabin_is_full_then_lets_it_go() -> None:
     assert not machine.sensors()['up_1'] and len(machine.riding) == CAPACITY
 
 
-@given(
-    st.floats(-0.3, 2.3), st.floats(0, 1),
-    st.dictionaries(st.sampled_from(COMMANDS), st.booleans()),
-    st.lists(st.tuples(st.integers(1, 3), st.integers(1, 3)), max_size=9))
+@BOTH
+@given(data=st.data())
 def test_picture_when_drawn_in_any_state_then_every_line_fits(
-        position: float, door: float, lamps: dict[str, bool],
-        waiting: list[tuple[int, int]]) -> None:
-    told = {**report(plant(1.0)), 'position': position, 'door': door,
+        elevator: Elevator, data: st.DataObject) -> None:
+    floor = st.sampled_from(elevator.floors)
+    waiting = data.draw(st.lists(st.tuples(floor, floor), max_size=9))
+    told = {**report(plant(1.0)), 'position': data.draw(st.floats(-0.3, elevator.count - 0.7)),
+            'door': data.draw(st.floats(0, 1)),
             'waiting': [list(pair) for pair in waiting], 'riding': [goal for _, goal in waiting]}
-    lines = Picture(lamps=lamps, plant=told, controller={'state': 'running'}).lines()
-    assert len(lines) == 18
-    assert sum(line.count('┌─────────┐') for line in lines) == 1
-    assert max(map(len, lines)) < 100
+    names = [name for task, substates in elevator.tasks for name in (task, *substates)]
+    lines = Picture(
+        elevator=elevator, plant=told, controller={'state': 'running'},
+        lamps=data.draw(st.dictionaries(st.sampled_from(elevator.commands), st.booleans())),
+        values={name: data.draw(st.sampled_from('01')) for name in names}).lines()
+    assert len(lines) == (18 if elevator is THREE else 24)
+    assert sum(line.count('┌') for line in lines) == 1
+    assert max(map(len, lines)) < 150  # all tasks at once is more than there ever is
+
+
+def test_picture_when_a_task_runs_then_it_is_named_with_its_substate() -> None:
+    lines = Picture(elevator=EIGHT, values={'up_enable': '1', 'up_moving': '1'}).lines()
+    assert ' tasks   up / moving' in lines
 
 
 def test_sensors_when_told_then_they_are_all_the_inputs_of_the_program() -> None:
-    assert set(plant().sensors()) == set(SENSORS)
+    assert set(plant().sensors()) == set(THREE.sensors)

@@ -11,26 +11,30 @@ from pathlib import Path
 import sys
 import threading
 from typing import Any
-from unittest.mock import patch
+from unittest import mock
 
 from runtime.handmade import executable, Variables
 from support.documents import ROOT
 import yaml
 
+from ladder_ros.background.process import CompilerProcess
 from ladder_ros.compiler import llvm_machine
-from ladder_ros.compiler.background import CompilerProcess
 from ladder_ros.compiler.il_text import parse_il
+from ladder_ros.compiler.pipeline import analyse
 from ladder_ros.compiler.symbols import Resolved
 from ladder_ros.compiler.wiring import End, Net, Part, Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import LadderError, render
+from ladder_ros.edit.aov_to_rung import draw_rung
 from ladder_ros.model.component import Contact, Placement
 from ladder_ros.model.program import Rung
+from ladder_ros.proving import prove_never
 from ladder_ros.runtime.clock import SimulatedClock
 from ladder_ros.runtime.retain_store import load_retained, Retained, save_retained
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
 from ladder_ros.runtime.simulation import Simulation
-from ladder_ros.session import compile_file, export, replay, Session
+from ladder_ros.session import compile_file, export, replay, Requirement, Session
+from ladder_ros.source.xml_to_model import parse_program
 
 
 def _error_of(action: Callable[[], object]) -> str:
@@ -137,6 +141,14 @@ def watchdog(folder: Path) -> str:
     raise AssertionError('no watchdog has tripped')
 
 
+def endless(folder: Path) -> str:
+    """Tell of a task without a watchdog as after a little more than five seconds."""
+    cycle = ScanCycle(compile_file(folder / 'program.xml').executable)
+    cycle.scan(0)
+    limit = cycle.limit()
+    return str(limit.error(limit.longest + 250_000_000))
+
+
 def no_recording(folder: Path) -> str:
     """Replay a program file."""
     return _error_of(lambda: replay(folder / 'program.xml', [])).replace(f'{folder}/', '')
@@ -148,13 +160,31 @@ def no_llvm(_folder: Path) -> str:
     for cached in caches:
         cached.cache_clear()
     try:
-        with patch.dict(sys.modules, {'llvmlite': None, 'llvmlite.binding': None}):
+        with mock.patch.dict(sys.modules, {'llvmlite': None, 'llvmlite.binding': None}):
             loaded = compile_file(ROOT / 'programs' / 'start_stop.xml', 'native')
     finally:
         for cached in caches:
             cached.cache_clear()
     assert loaded.executable.backend == 'python'
     return render(loaded.diagnostics).replace(f'{ROOT / "programs"}/', '')
+def no_solver(folder: Path) -> str:
+    """Prove something where the solver is not installed."""
+    with mock.patch('ladder_ros.refactor.equivalence.to_z3.z3', None):
+        return _error_of(lambda: prove_never(folder / 'program.xml', 'motor'))
+
+
+def not_proved(folder: Path) -> str:
+    """Change to another program where only an equivalent one is allowed."""
+    old, new = folder / 'program.xml', folder / 'negated.xml'
+    new.write_text(old.read_text(encoding='utf-8').replace(
+        'operand="motor"/>', 'kind="negated" operand="motor"/>'), encoding='utf-8')
+    with Session(background=False) as session:
+        session.open(old)
+        session.assurance.requirement = Requirement.EQUIVALENT
+        loaded = session.prepare(new)
+        while session.assurance.report(session.loaded, loaded).answer == 'pending':
+            pass
+        return _error_of(lambda: session.commit(loaded)).replace(f'{folder}/', '')
 
 
 # -- the node -------------------------------------------------------------------------------------
@@ -184,12 +214,15 @@ def unknown_parameter(folder: Path) -> str:
 def dropped_variable(folder: Path) -> str:
     """Resolve the I/O map for the program without its variable motor."""
     from ladder_ros.ros.io_map import resolve_io
+    from ladder_ros.ros.message_types import installed_fields
     from ladder_ros.ros.parameters import read_settings
-    compiled = compile_file(folder / 'program.xml').executable
-    slots = tuple(slot for slot in compiled.slots if slot.path != 'motor')
-    changed = replace(compiled, slots=slots, by_path={s.path.casefold(): s for s in slots})
+    file = folder / 'program.xml'
+    text = file.read_text(encoding='utf-8')
+    file.write_text(text.replace('"motor"', '"gate"'), encoding='utf-8')
+    changed = compile_file(file).executable
     entries = read_settings(overrides(folder))[0].io
-    return render(resolve_io(changed, entries, lambda topic: topic, strict=False).warnings)
+    found = resolve_io(changed, entries, lambda topic: topic, installed_fields, strict=False)
+    return render(found.warnings)
 
 
 def busy_compiler(folder: Path) -> str:
@@ -217,6 +250,14 @@ def busy_compiler(folder: Path) -> str:
         rclpy.shutdown(context=context)
 
 
+def impossible_order(folder: Path) -> str:
+    """Draw a graph whose order of evaluation is another than its drawing's."""
+    program = parse_program((folder / 'program.xml').read_bytes(), 'program.xml')
+    aov = analyse(program).graphs['body main'][0]
+    backwards = replace(aov, symbols=aov.symbols[::-1])
+    return _error_of(lambda: draw_rung(backwards, rung_id='1'))
+
+
 MAKERS: Mapping[str, Callable[[Path], str]] = {
     'L0313': power_loop,
     'L0402': bad_instruction_list,
@@ -231,8 +272,12 @@ MAKERS: Mapping[str, Callable[[Path], str]] = {
     'L0525': watchdog,
     'L0526': no_recording,
     'L0530': no_llvm,
+    'L0527': endless,
     'L0606': unknown_parameter,
     'L0609': dropped_variable,
     'L0610': busy_compiler,
+    'L0620': impossible_order,
+    'L0670': no_solver,
+    'L0672': not_proved,
 }
 """By the problem's code: what gives the text of the page, from the folder with its files."""

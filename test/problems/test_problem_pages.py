@@ -67,7 +67,7 @@ def test_page_when_read_then_it_has_its_parts(code: str) -> None:
 
 FAMILIES = {
     'L01': 'Files', 'L02': 'Names and types', 'L03': 'Drawings', 'L04': 'Compiling',
-    'L05': 'Running and simulating', 'L06': 'The node',
+    'L05': 'Running and simulating', 'L06': 'The node, editing and refactoring',
 }
 INTRODUCTION = """\
 # Problems

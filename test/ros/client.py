@@ -150,13 +150,14 @@ class Client:
 
     def listen(self, name: str, type_: Any, *, latched: bool = False, depth: int = 1000,
                field: str = 'data') -> Topic:
-        """Collect what comes on a topic."""
+        """Collect what comes on a topic: a field of the messages, or all of each for ''."""
         from rclpy.qos import DurabilityPolicy, QoSProfile
 
         durability = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
         topic = Topic()
         self.node.create_subscription(
-            type_, name, lambda message: topic.values.append(getattr(message, field)),
+            type_, name, lambda message: topic.values.append(
+                getattr(message, field) if field else message),
             QoSProfile(depth=depth, durability=durability))
         return topic
 
@@ -177,7 +178,11 @@ class Client:
 
     def send(self, name: str, type_: Any, data: Any) -> None:
         """Publish a value to a subscription that is known to be there."""
-        self.publisher(name, type_).publish(type_(data=data))
+        self.publish(name, type_(data=data))
+
+    def publish(self, name: str, message: Any) -> None:
+        """Publish a message to a subscription that is known to be there."""
+        self.publisher(name, type(message)).publish(message)
 
     def state(self) -> dict[str, Any]:
         """Return the state published last."""

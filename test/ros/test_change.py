@@ -131,11 +131,13 @@ def test_test_when_nobody_accepts_then_it_ends_by_itself_and_says_why(plc: Start
     candidate(running, counting('100', extra='lamp'))
     assert running.client.call('test')['success']
     until(lambda: 100 in steps(counted.values), 'the candidate counting')
-    after = running.client.wait_state(hash=before['hash'])
     until(lambda: steps(counted.values)[-3:] == [1, 1, 1], 'the old program counting')
     until(lambda: json.loads(told.last() or '{}').get('kind') == 'untest', 'being told')
     assert 'not accepted' in json.loads(told.last())['reason']
-    assert 'not accepted' in after['last_change']['reason']
+    after = until(
+        lambda: ((state := running.client.state())['last_change'] or {}).get('kind') == 'untest'
+        and state, 'the change in the state')
+    assert 'not accepted' in after['last_change']['reason'] and after['hash'] == before['hash']
     running.process.wait_for_output('the test has ended')
     # Its lamp had a topic of its own, which nobody needs any more.
     until(lambda: not running.client.node.get_publishers_info_by_topic(
@@ -243,3 +245,30 @@ def test_forces_when_a_change_drops_one_then_the_parameter_says_what_is_left(plc
     assert report['forces_dropped'] == ['c']
     running.client.wait_state(forces={'b': '1'})
     until(lambda: running.client.get_parameter('forces') == ['b=1'], 'the parameter')
+
+
+def test_preflight_when_a_proof_is_required_then_only_what_behaves_alike_is_let_in(
+        plc: Start) -> None:
+    pytest.importorskip('z3')
+    running = plc(counting('1'), io=EVERY_SCAN)
+    topic = counter(running)
+    assert running.client.set_parameter('change.require', 'equivalent').successful
+
+    def proved(text: str, name: str) -> dict[str, Any]:
+        candidate(running, text, name)
+        until(lambda: running.client.call('preflight')['proof']['answer'] != 'pending', 'a proof')
+        report: dict[str, Any] = running.client.call('preflight')
+        return report
+
+    other = proved(counting('100'), 'other.xml')
+    assert [refusal['code'] for refusal in other['refusals']] == ['not_proved']
+    assert other['proof']['trace']['values'][0]['name'] == 'n'
+    assert running.client.call('test')['success'] is False
+    refused = running.client.set_parameter('program', 'other.xml')
+    assert not refused.successful and 'L0672' in refused.reason
+    alike = proved(counting('1') + '\n', 'alike.xml')
+    assert (alike['success'], alike['proof']['answer']) == (True, 'equivalent')
+    assert running.client.call('test')['success']
+    assert running.client.call('accept')['success']
+    seen = topic.values[-1]
+    until(lambda: topic.values[-1] > seen, 'counting on')

@@ -25,6 +25,7 @@ from ros.client import (
     until,
     write_parameters,
 )
+from support.plcopen import project, variable
 
 from ladder_ros.cli.main import main
 
@@ -246,6 +247,35 @@ rclpy.spin(node)
     begin, scans = time.monotonic(), client.state()['scans']
     until(lambda: client.state()['scans'] > scans + 500, '500 scans')
     assert time.monotonic() - begin < 15
+
+
+ENDLESS = project(
+    '<pou name="P" pouType="program"><interface><localVars>'
+    + variable('go', attributes='address="%IX0.0"') + variable('q', attributes='address="%QX0.0"')
+    + variable('i', '<DINT/>') + variable('j', '<DINT/>')
+    + '</localVars></interface><body><ST><p xmlns="http://www.w3.org/1999/xhtml">'
+    'q := TRUE; IF go THEN FOR i := 1 TO 900000 DO FOR j := 1 TO 900000 DO q := TRUE; END_FOR; '
+    'END_FOR; END_IF;</p></ST></body></pou>').decode()
+
+
+def test_program_when_a_scan_never_ends_then_outputs_become_safe_and_a_reset_helps(
+        plc: Start) -> None:
+    from diagnostic_msgs.msg import DiagnosticArray
+    from std_msgs.msg import Bool
+
+    running = plc(ENDLESS, io={'q': {'safe': False}})
+    client = running.client
+    reports = client.listen('/diagnostics', DiagnosticArray, field='status')
+    output = client.listen(f'{client.plc}/q', Bool, latched=True)
+    output.wait(True)
+    client.send(f'{client.plc}/go', Bool, True)
+    output.wait(False)
+    fault = client.wait_state(state='faulted')['last_fault']
+    assert 'a scan does not end' in fault['reason'] and fault['entry'] == 'P', fault
+    until(lambda: level(reports.last(), 'program')[0] == b'\x02', 'an error in the diagnostics')
+    client.send(f'{client.plc}/go', Bool, False)
+    assert client.call('reset')['success'] and client.call('start')['success']
+    output.wait(True)
 
 
 def test_program_when_it_overruns_without_a_watchdog_then_it_is_counted_and_warned_of(

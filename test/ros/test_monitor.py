@@ -88,3 +88,15 @@ def test_view_when_a_composite_is_called_then_its_place_is_a_drawing_of_its_own(
     shown = view(executable, inner)
     assert shown.components and shown.slots
     assert {component.path.rsplit('/', 2)[0] for component in shown.components} == {inner}
+
+
+def test_view_when_an_instance_is_named_by_its_path_then_its_place_is_shown() -> None:
+    from ladder_ros.resources import find_resource
+    from ladder_ros.ros.monitor import instances, view
+    from ladder_ros.session import compile_file
+
+    executable = compile_file(find_resource('programs', 'elevator_8_floor.xml')).executable
+    named = instances(executable)
+    routines = {routine.name for routine in executable.routines if routine.active is not None}
+    assert set(named) == routines > {'homing', 'homing.shutting', 'door'}
+    assert view(executable, 'HOMING.shutting') == view(executable, named['homing.shutting'])

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 import pytest
 
 from ladder_ros.diagnostics import has_errors, Severity
-from ladder_ros.ros.parameters import IO_RULES, read_settings, RULES
+from ladder_ros.ros.io_entries import IO_RULES
+from ladder_ros.ros.parameters import read_settings, RULES
 
 SCALARS = st.one_of(st.booleans(), st.integers(), st.floats(), st.text(max_size=9))
 

@@ -46,6 +46,7 @@ def test_fault_when_the_program_fails_then_safe_values_and_the_reason_are_publis
 
     from ladder_ros.ros.io_map import resolve_io
     from ladder_ros.ros.loading import Prepared
+    from ladder_ros.ros.message_types import installed_fields
     from ladder_ros.session import Loaded
 
     trap = Trap()
@@ -54,7 +55,8 @@ def test_fault_when_the_program_fails_then_safe_values_and_the_reason_are_publis
     plc.open()
     executable = trap.executable()
     io_map = resolve_io(
-        executable, plc._settings.io, lambda topic: topic.replace('~', 'plc_node'), strict=True)
+        executable, plc._settings.io, lambda topic: topic.replace('~', 'plc_node'),
+        installed_fields, strict=True)
     plc._ready = Prepared(path=Path('trap'), io_map=io_map, loaded=Loaded(
         path='trap', name='trap', source_hash='0', executable=executable))
     plc.start()

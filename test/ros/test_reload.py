@@ -7,10 +7,21 @@ from __future__ import annotations
 from collections.abc import Callable
 import itertools
 from pathlib import Path
+import threading
 from typing import Any
 
 import pytest
-from ros.client import COPY, counting, LATCH, no_scan_lost, program, series, thrice, until
+from ros.client import (
+    block,
+    COPY,
+    counting,
+    LATCH,
+    no_scan_lost,
+    program,
+    series,
+    thrice,
+    until,
+)
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 Start = Callable[..., Any]
@@ -198,3 +209,42 @@ def test_node_when_started_without_a_program_then_one_can_be_given_later(
         assert client.call('start')['diagnostics'][0]['code'] == 'L0508'
         assert client.set_parameter('program', 'later.xml').successful
         client.wait_state(state='running', program='test')
+
+
+@thrice
+def test_reload_when_done_again_and_again_under_load_then_nothing_is_lost_or_told_wrongly(
+        plc: Start) -> None:
+    from std_msgs.msg import Bool
+
+    def text(extra: str) -> str:
+        return program(
+            {'a': 'input BOOL', 'held': 'output BOOL', 'n': 'output DINT',
+             'on': 'local BOOL TRUE', 'dummy': 'local BOOL', extra: 'local BOOL'},
+            series(1, ['on'], 'held', 'set'), series(2, ['a'], extra),
+            block(3, 'ADD', {'IN1': 'n', 'IN2': '1'}, {'OUT': 'n'}), interval='20ms')
+
+    running = plc(text('one'), io=EVERY_SCAN)
+    counted = counter(running)
+    held = running.client.listen(f'{running.client.plc}/held', Bool, latched=True)
+    load = running.client.publisher(f'{running.client.plc}/a', Bool)
+    ended = threading.Event()
+
+    def publish() -> None:
+        while not ended.wait(0.001):
+            load.publish(Bool(data=True))
+
+    thread = threading.Thread(target=publish)
+    thread.start()
+    try:
+        before = running.client.state()
+        for number in range(100):
+            running.file.write_text(text(('two', 'one')[number % 2]), encoding='utf-8')
+            report = running.client.call('reload')
+            assert report['success'] and not report['unchanged'] and report['kept'] == 5
+        after = running.client.wait_state(hash=report['hash'])
+    finally:
+        ended.set()
+        thread.join()
+    assert set(steps(counted.values)) == {1}
+    assert held.values == [True]
+    no_scan_lost(before, after)

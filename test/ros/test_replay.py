@@ -27,7 +27,7 @@ def ladder(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int,
 
 
 def bag(path: Path, messages: Iterable[tuple[int, str, str, Any]]) -> Path:
-    """Write a recording of topics: times in ms, topic, type, and field ``data``."""
+    """Write a recording of topics: times in ms, topic, type, and field ``data`` or the message."""
     from rosbags.rosbag2 import Writer
     from rosbags.typesys import get_typestore, Stores
 
@@ -35,10 +35,10 @@ def bag(path: Path, messages: Iterable[tuple[int, str, str, Any]]) -> Path:
     with Writer(path, version=9) as writer:
         connections: dict[str, Any] = {}
         for time, topic, kind, data in messages:
-            name = f'std_msgs/msg/{kind}'
+            name = kind if '/' in kind else f'std_msgs/msg/{kind}'
             if topic not in connections:
                 connections[topic] = writer.add_connection(topic, name, typestore=store)
-            message = store.types[name](data)
+            message = data if '/' in kind else store.types[name](data)
             writer.write(connections[topic], time * MS, store.serialize_cdr(message, name))
     return path
 
@@ -147,6 +147,55 @@ def test_bag_when_read_with_the_nodes_parameters_then_its_map_counts(
     rows = table.read_text(encoding='utf-8').split()
     # A pulse between two scans is seen; 60 ms after the last good message the input is stale.
     assert rows == ['b,y,late', '0,5,0', '1,5,0', '0,5,0', '0,5,0', '0,7,1', '0,6,1']
+
+
+def test_bag_when_the_map_names_fields_then_they_are_read_as_by_the_node(
+        capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    import numpy as np
+    from rosbags.typesys import get_typestore, Stores
+
+    types = get_typestore(Stores.ROS2_JAZZY).types
+    stamp = types['builtin_interfaces/msg/Time'](sec=0, nanosec=0)
+    header = types['std_msgs/msg/Header'](stamp=stamp, frame_id='')
+    layout = types['std_msgs/msg/MultiArrayLayout'](dim=[], data_offset=0)
+
+    def joints(*positions: float) -> Any:
+        return types['sensor_msgs/msg/JointState'](
+            header=header, name=[], position=np.array(positions), velocity=np.zeros(0),
+            effort=np.zeros(0))
+
+    def bits(kind: str, *data: int) -> Any:
+        return types[f'std_msgs/msg/{kind}'](layout=layout, data=np.array(data, dtype=np.uint8))
+
+    file = tmp_path / 'copy.xml'
+    file.write_text(program(
+        {'near': 'input BOOL', 'x': 'input INT', 'b9': 'input BOOL', 'c0': 'input BOOL',
+         'b': 'output BOOL'}, series(1, ['near'], 'b')), encoding='utf-8')
+    cell = tmp_path / 'cell.yaml'
+    cell.write_text("""
+plc_node:
+  ros__parameters:
+    io:
+      x: {topic: /joints, type: sensor_msgs/msg/JointState, field: "position[1]", scale: 100}
+      near: {topic: /joints, field: "position[0]", above: 1.0, hysteresis: 0.5}
+      b9: {topic: /card, type: std_msgs/msg/UInt8MultiArray, bit: 9}
+      c0: {topic: /bytes, type: std_msgs/msg/ByteMultiArray, bit: 0}
+""", encoding='utf-8')
+    state, card = 'sensor_msgs/msg/JointState', 'std_msgs/msg/UInt8MultiArray'
+    recording = bag(tmp_path / 'bag', [
+        (0, '/joints', state, joints(1.0, 0.25)),
+        (10, '/card', card, bits('UInt8MultiArray', 0, 2)),
+        (20, '/joints', state, joints(0.6, 0.5)),
+        (30, '/bytes', 'std_msgs/msg/ByteMultiArray', bits('ByteMultiArray', 1)),
+        (40, '/joints', state, joints(0.4))])
+    table = tmp_path / 'out.csv'
+    status, answer = ladder(
+        capsys, 'replay', file, recording, '--params', cell, '--watch', 'near,x,b9,c0')
+    assert (status, answer['messages'], answer['rejected']) == (0, 7, 1), answer
+    main(['replay', str(file), str(recording), '--params', str(cell), '--watch', 'near,x,b9,c0',
+          '-o', str(table)])
+    rows = table.read_text(encoding='utf-8').split()
+    assert rows == ['near,x,b9,c0', '1,25,0,0', '1,25,1,0', '1,50,1,0', '1,50,1,1', '0,50,1,1']
 
 
 @pytest.mark.parametrize(('kind', 'reason'), [

@@ -78,7 +78,8 @@ def test_start_when_the_period_is_given_then_it_counts_for_the_program(
         until(lambda: client.state()['scans'] > 300, 'scanning every 2 ms')
 
 
-@pytest.mark.parametrize('name', ['plc_example.yaml', 'elevator_3_floor.yaml'])
+@pytest.mark.parametrize(
+    'name', ['plc_example.yaml', 'elevator_3_floor.yaml', 'elevator_8_floor.yaml'])
 def test_start_when_with_a_shipped_configuration_then_it_runs_without_a_warning(
         ros_domain_id: int, process: Any, name: str, tmp_path: Path) -> None:
     namespace = new_namespace()

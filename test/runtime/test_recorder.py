@@ -14,9 +14,10 @@ import pytest
 from runtime.handmade import executable, MS, Variables
 
 from ladder_ros.diagnostics import LadderError
-from ladder_ros.executable import Executable
+from ladder_ros.executable import Executable, TaskEntry
 from ladder_ros.runtime.clock import SimulatedClock
 from ladder_ros.runtime.controller import Controller
+from ladder_ros.runtime.listeners import ControllerState
 from ladder_ros.runtime.recorder import RecordSummary, TraceRecorder
 from ladder_ros.runtime.replay import read_trace, replay_trace, ReplayResult
 
@@ -144,3 +145,32 @@ def test_trace_when_read_by_people_then_it_is_json_lines(tmp_path: Path) -> None
     assert lines[0] == {'ladder_trace': 1}
     assert lines[1]['state'] == {'a': 0.0, 'sum': 0.0, 'q': -1.0}
     assert [30 * MS, 0, {}, {}] in lines
+
+
+def test_replay_when_a_watchdog_has_stopped_a_scan_then_that_one_is_not_run_again(
+    tmp_path: Path,
+) -> None:
+    clock, path = SimulatedClock(), tmp_path / 'trace'
+
+    def slow(variables: Variables, now: int) -> None:
+        step(variables, now)
+        if now >= 30 * MS:
+            clock.advance(5 * MS)
+
+    made = replace(executable(VARIABLES, {'main': slow}, intervals={'main': 10 * MS}),
+                   source_hash='slow')
+    task = TaskEntry(name='main', interval=10 * MS, watchdog=3 * MS)
+    program = replace(made, tasks=(task,), entries=tuple(
+        replace(entry, task='main') for entry in made.entries))
+    controller = Controller(clock)
+    controller.load(program)
+    trace = TraceRecorder(path)
+    controller.record(trace)
+    controller.start()
+    while controller.state is ControllerState.RUNNING:
+        if clock.wait_for_sleeper(0.01) and clock.deadline is not None:
+            clock.set(clock.deadline)
+    controller.record(None)
+    assert (controller.state, trace.close().scans) == (ControllerState.FAULTED, 4)
+    result = again(path, program)
+    assert (result.scans, result.first_difference) == (3, None)

@@ -9,7 +9,9 @@ from collections.abc import Callable
 import pytest
 from runtime.handmade import Body, count, executable, MS, Variables
 
-from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
+from ladder_ros.executable import Executable
+from ladder_ros.runtime.planner import LocalPlanner
+from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle, Successor
 
 COPY = 'a:BOOL:input q:BOOL:output'
 
@@ -20,6 +22,10 @@ def copy(variables: Variables, now: int) -> None:
 
 def copying() -> ScanCycle:
     return ScanCycle(executable(COPY, {'main': copy}))
+
+
+def successor_of(cycle: ScanCycle, program: Executable) -> Successor:
+    return cycle.successor(program, LocalPlanner().transition(cycle.executable, program))
 
 
 def noting(notes: list[str], name: str) -> Body:
@@ -229,7 +235,7 @@ def test_successor_when_it_takes_over_then_same_path_and_identity_keep_their_val
     for index in range(3):
         old.write(index, 5)
     old.scan(0)
-    successor = old.successor(executable('new:INT:local typed:INT:local SAME:INT:local'))
+    successor = successor_of(old, executable('new:INT:local typed:INT:local SAME:INT:local'))
     new, _ = successor.take_over()
     assert new.state == [0, 0, 5]
     assert successor.report.kept == ('SAME',)
@@ -240,7 +246,7 @@ def test_successor_when_it_takes_over_then_same_path_and_identity_keep_their_val
 def test_successor_when_inputs_are_pending_then_they_reach_the_new_program() -> None:
     old = ScanCycle(executable(COPY, {'main': copy}))
     moved = executable('x:BOOL:local q:BOOL:output a:BOOL:input', {'main': copy})
-    successor = old.successor(moved)
+    successor = successor_of(old, moved)
     old.write(0, True)
     new, _ = successor.take_over()
     new.scan(0)
@@ -251,7 +257,7 @@ def test_successor_when_variables_are_forced_then_forces_follow_or_are_named() -
     old = ScanCycle(executable('q:BOOL:output gone:BOOL:output'))
     old.force(0, True)
     old.force(1, True)
-    new, dropped = old.successor(executable('x:INT:local q:BOOL:output', {
+    new, dropped = successor_of(old, executable('x:INT:local q:BOOL:output', {
         'main': lambda variables, now: variables.__setitem__('q', False)})).take_over()
     new.scan(0)
     assert (new.state, new.forces, dropped) == ([0, True], {1: True}, ('gone',))
@@ -261,14 +267,14 @@ def test_successor_when_it_takes_over_then_what_runs_once_is_not_run_again() -> 
     program = executable('n:INT:local', {'startup': count}, once=('startup',))
     old = ScanCycle(program)
     old.scan(0)
-    new, _ = old.successor(program).take_over()
+    new, _ = successor_of(old, program).take_over()
     new.scan(0)
     assert new.state == [1]
 
 
 def test_successor_when_nothing_has_run_yet_then_what_runs_once_still_runs() -> None:
     program = executable('n:INT:local', {'startup': count}, once=('startup',))
-    new, _ = ScanCycle(program).successor(program).take_over()
+    new, _ = successor_of(ScanCycle(program), program).take_over()
     new.scan(0)
     assert new.state == [1]
 
@@ -276,6 +282,6 @@ def test_successor_when_nothing_has_run_yet_then_what_runs_once_still_runs() -> 
 def test_successor_when_observed_then_the_new_program_is_observed() -> None:
     old = copying()
     old.observe(True)
-    new, _ = old.successor(executable(COPY, {'main': copy})).take_over()
+    new, _ = successor_of(old, executable(COPY, {'main': copy})).take_over()
     new.scan(0)
     assert new.power == [True]

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import pytest
 from runtime.handmade import executable
 
-from ladder_ros.executable import Executable, Slot, SlotClass
+from ladder_ros.executable import Executable, outline_of, Slot, SlotClass
 from ladder_ros.model.types import DataType, INTEGER_RANGE, normalise, Value
 from ladder_ros.runtime.state_plan import Fate, plan_state, StatePlan, widening
 
@@ -20,7 +20,7 @@ from ladder_ros.runtime.state_plan import Fate, plan_state, StatePlan, widening
 def program(*slots: Slot) -> Executable:
     """Return an executable of these slots, numbered as they stand."""
     numbered = tuple(replace(slot, index=index) for index, slot in enumerate(slots))
-    return replace(executable(''), slots=numbered,
+    return replace(executable(''), slots=numbered, outline=outline_of(numbered),
                    by_path={slot.path.casefold(): slot for slot in numbered})
 
 

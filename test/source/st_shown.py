@@ -13,6 +13,7 @@ from ladder_ros.model.st import (
     CallExpression,
     CallStatement,
     CaseStatement,
+    ContinueStatement,
     ExitStatement,
     Expression,
     Field,
@@ -87,6 +88,8 @@ def statement(node: Statement) -> str:
             return f'REPEAT {statements(node.body)} UNTIL {expression(node.condition)} END_REPEAT'
         case ExitStatement():
             return 'EXIT;'
+        case ContinueStatement():
+            return 'CONTINUE;'
         case ReturnStatement():
             return 'RETURN;'
     raise AssertionError(node)

@@ -26,7 +26,7 @@ from support.openplc import (
 
 from ladder_ros.compiler.pipeline import check_program, compile_program
 from ladder_ros.diagnostics import LadderError
-from ladder_ros.executable import Executable
+from ladder_ros.executable import Executable, SlotClass
 from ladder_ros.model.component import (
     Block,
     Coil,
@@ -291,6 +291,22 @@ def test_block_when_its_language_cannot_run_then_it_is_refused_where_it_is_used(
     assert refused.location.file.endswith(file)
 
 
+def test_block_when_in_cpp_and_stubs_are_allowed_then_its_pins_are_io(tmp_path: Path) -> None:
+    head = ('FUNCTION_BLOCK drive\nVAR_INPUT\n\tspeed : int;\nEND_VAR\n'
+            'VAR_OUTPUT\n\tready : bool;\nEND_VAR\n{};')
+    box = block('drive', 'd1', {'speed': '5'}, power=('EN', 'ready'))
+    save(tmp_path, {
+        'function-blocks/drive.cpp': head,
+        'programs/main.ld': pou('VAR a : bool; q : bool; d1 : drive; END_VAR',
+                                ladder(['a', box, '(q)']))})
+    (tmp_path / 'import.json').write_text('{"stubs": true}')
+    compilation = compile_program(read_any(tmp_path))
+    assert [d.code for d in compilation.diagnostics] == ['L0245']
+    classes = {slot.path: slot.slot_class for slot in compilation.executable.slots}
+    assert classes['d1.ready'] is SlotClass.INPUT
+    assert classes['d1.speed'] is SlotClass.OUTPUT
+
+
 def test_block_when_its_language_cannot_run_and_nothing_uses_it_then_the_rest_runs(
     tmp_path: Path,
 ) -> None:
@@ -392,13 +408,23 @@ def test_pou_when_it_is_there_as_text_and_as_json_then_the_text_counts(tmp_path:
 
 # -- the folder ---------------------------------------------------------------------------------
 
-@pytest.mark.parametrize('name', ['', 'project.json'])
+@pytest.mark.parametrize('name', ['', 'project.json', 'pous/programs/main.ld'])
 def test_path_when_it_is_the_folder_or_its_project_then_both_are_read(
     tmp_path: Path, name: str,
 ) -> None:
     read_ladder(tmp_path, bools('a', 'q'), ['a', '(q)'])
     assert openplc_folder(str(tmp_path / name)) == tmp_path
     assert read_any(tmp_path / name).dialect == 'openplc'
+
+
+def test_pou_when_its_project_is_not_there_then_l0153(tmp_path: Path) -> None:
+    read_ladder(tmp_path, bools('a', 'q'), ['a', '(q)'])
+    (tmp_path / 'project.json').unlink()
+    file = tmp_path / 'pous' / 'programs' / 'main.ld'
+    assert openplc_folder(str(file)) is None
+    with pytest.raises(LadderError) as caught:
+        read_any(file)
+    assert [d.code for d in caught.value.diagnostics] == ['L0153']
 
 
 def test_hash_when_a_pou_changes_then_it_changes_too(tmp_path: Path) -> None:

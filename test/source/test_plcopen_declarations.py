@@ -7,9 +7,11 @@ from __future__ import annotations
 import pytest
 from support.plcopen import element, ladder, read, variable
 
+from ladder_ros.compiler.pipeline import check_program
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.derived import leaves
 from ladder_ros.model.program import Program, Variable
+from ladder_ros.model.types import DataType
 from ladder_ros.source.plcopen_values import interval
 
 COIL = element('coil', 1, [0], 'q')
@@ -222,3 +224,19 @@ def test_section_when_it_is_constant_or_retained_then_its_variables_are(
     section = f'<localVars {attributes}>{variable("v")}</localVars>'
     own = read(ladder(COIL, variables=section)).variables[0]
     assert (own.constant, own.retain) == (constant, retain)
+
+
+def test_type_when_an_operator_page_s_then_it_is_the_elementary_one() -> None:
+    program = read(ladder('', variables='<localVars>'
+                          + variable('speed', '<derived name="HMI_INT"/>') + '</localVars>'))
+    assert [(v.name, v.type) for v in program.variables] == [('speed', DataType.INT)]
+
+
+def test_variable_when_its_type_is_unknown_then_its_use_says_so() -> None:
+    program = read(ladder(
+        element('contact', 1, [0], 'page') + element('coil', 2, [1], 'page'),
+        variables='<localVars>' + variable('page', '<derived name="HMI_NODE"/>')
+        + '</localVars>'))
+    found = [problem for problem in check_program(program) if problem.code == 'L0203']
+    assert found
+    assert all('HMI_NODE' in problem.label for problem in found)

@@ -25,6 +25,7 @@ from ladder_ros.model.st import (
     UnaryExpression,
     VariableExpression,
 )
+from ladder_ros.model.st_printing import print_expression, print_statements
 from ladder_ros.source.st_parser import parse_expression, parse_statements
 from ladder_ros.source.st_text import MAX_CHAIN, MAX_NESTING, MAX_TEXT
 
@@ -96,6 +97,7 @@ def test_expression_when_call_then_arguments_are_kept(text: str, understood: str
      'CASE n OF 1: t(); x.y: z := 1; END_CASE'),
     ('FOR i := 1 TO n BY -1 DO EXIT; END_FOR; RETURN;',
      'FOR i := 1 TO n BY (-1) DO EXIT; END_FOR RETURN;'),
+    ('WHILE a DO CONTINUE; END_WHILE', 'WHILE a DO CONTINUE; END_WHILE'),
     ('WHILE a DO ; END_WHILE REPEAT b := 1; UNTIL c; END_REPEAT;',
      'WHILE a DO  END_WHILE REPEAT b := 1; UNTIL c END_REPEAT'),
     ('if A then B := True; end_if', 'IF A THEN B := True; END_IF'),
@@ -147,7 +149,6 @@ MISTAKES = {
     'duration': 'a := T#5;',
     'number': 'a := 5abc;',
     'label': 'CASE n OF a := 1; END_CASE',
-    'continue': 'WHILE a DO CONTINUE; END_WHILE',
     'stray_end': 'a := 1; END_IF;',
     'empty_argument': 'f(a, );',
 }
@@ -241,6 +242,40 @@ def without_places(node: Any) -> Any:
 @settings(max_examples=150)
 def test_expression_when_written_and_read_then_the_same(tree: Expression) -> None:
     assert without_places(parse_expression(expression(tree))) == tree
+
+
+@given(EXPRESSIONS)
+@settings(max_examples=150)
+def test_expression_when_printed_and_read_then_the_same(tree: Expression) -> None:
+    assert without_places(parse_expression(print_expression(tree))) == tree
+
+
+@pytest.mark.parametrize(('text', 'printed'), [
+    ('a := ((b)) + (c*d) ** 2 - -e;', 'a := b + (c * d) ** 2 - -e;'),
+    ('a:=(b OR c) AND NOT(d);', 'a := (b OR c) AND NOT d;'),
+    ('a := b - (c - d);', 'a := b - (c - d);'),
+])
+def test_expression_when_printed_then_only_needed_parentheses_stand(
+    text: str, printed: str,
+) -> None:
+    assert list(print_statements(parse_statements(text))) == [printed]
+
+
+@pytest.mark.parametrize('text', [
+    'IF a THEN b := 1; ELSIF c THEN ELSE d := 2; END_IF; t1(IN := a, Q => b, NOT Q => c);',
+    'CASE n OF 1, 3..5, -2: a := 1; b := 2; ELSE a := 3; END_CASE;',
+    'FOR i := 1 TO n BY -1 DO EXIT; END_FOR; RETURN; x[i, 2].y := f(1, g(a));',
+    'WHILE a DO CONTINUE; END_WHILE REPEAT b := 1; UNTIL c END_REPEAT;',
+])
+def test_statements_when_printed_and_read_then_the_same(text: str) -> None:
+    read = parse_statements(text)
+    again = parse_statements('\n'.join(print_statements(read)))
+    assert without_places(again) == without_places(read)
+
+
+def test_expression_when_a_chain_is_long_then_it_is_printed() -> None:
+    text = ' + '.join(['a'] * MAX_CHAIN)
+    assert print_expression(parse_expression(text)) == text
 
 
 @given(st.text(alphabet="aIFTHENDO01.;:=()[]{}*/'\"#$%_+-<> \n&,é\0", max_size=60))

@@ -128,7 +128,7 @@ def _component(component: Component) -> str:
         case Instance():
             text += f' {component.composite} {component.instance}'.rstrip()
         case _:
-            text += f' {getattr(component, "operand", "")}'
+            text += f' {getattr(component, "operand", getattr(component, "label", ""))}'
             kind = getattr(component, 'kind', None)
             text += f' {kind.value}' if kind is not None else ''
             text += ' negated' if getattr(component, 'negated', False) else ''

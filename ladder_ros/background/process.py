@@ -1,0 +1,297 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Compile and compare in another process, so that scans of this one go on undisturbed.
+
+Nothing that takes long is done here in one go: Python lets no other thread run while it reads a
+pickle or frees a large object.  Cyclic garbage would be collected in one go too, so nothing here
+makes any: the functions of a program that was compiled here are freed when nobody has them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+import hashlib
+import os
+from pathlib import Path
+import pickle
+import subprocess
+import sys
+import threading
+from typing import BinaryIO, TypeVar
+
+import ladder_ros
+from ladder_ros.background.frames import receive, send
+from ladder_ros.background.packing import (
+    Receive,
+    unpack_code,
+    unpack_comparison,
+    unpack_layout,
+    unpack_native,
+    unpack_transition,
+)
+from ladder_ros.compiler.native import load_native, NativeProgram, on_values
+from ladder_ros.compiler.native_state import StateForm
+from ladder_ros.compiler.pipeline import BACKENDS, Compilation, compile_program
+from ladder_ros.diagnostics import InternalError, LadderError, Location
+from ladder_ros.executable import Executable, Form, Scan, Variant
+from ladder_ros.model.types import Value
+from ladder_ros.runtime.planner import LocalPlanner, Transition
+from ladder_ros.runtime.preflight import Comparison
+from ladder_ros.runtime.quiet import Breathe, breathless
+from ladder_ros.source.read_any import file_hash, parse_any
+
+DEFAULT_TIMEOUT = 60.0
+"""Seconds that a program may take to be compiled."""
+_LOCAL = LocalPlanner()
+
+_T = TypeVar('_T')
+Source = tuple[bytes, str, str, str]
+"""A program file's bytes, its name, the backend, the SHA-256."""
+
+
+class _Gone(Exception):
+    """The process has ended."""
+
+
+class _Build:
+    """Builds the variants of a program, each in the process that compiled it."""
+
+    def __init__(
+        self, process: CompilerProcess, key: str, source: Source, code: Mapping[str, Scan],
+    ) -> None:
+        self.process = process
+        self.key = key
+        self.source = source
+        self._code = code
+
+    def __call__(self, variant: Variant) -> Mapping[str, Scan]:
+        if variant == Variant():
+            return self._code
+        return self.process.build(self, variant)
+
+
+class _Faster:
+    """Makes the native form of a program: object code there, linked here."""
+
+    def __init__(self, program: _Build) -> None:
+        self._program = program
+
+    def __call__(self) -> Form:
+        program, rest, objects = self._program.process.native(self._program)
+        return Form(
+            functions=load_native(program, objects, rest), make_state=StateForm(program.layout),
+            adapt=lambda functions: {body: on_values(scan) for body, scan in functions.items()})
+
+
+class CompilerProcess:
+    """The process, started when it is first needed; calls from many threads take turns."""
+
+    def __init__(self) -> None:
+        """Start nothing yet."""
+        self._turn = threading.Lock()
+        self._process: subprocess.Popen[bytes] | None = None
+
+    def start(self) -> None:
+        """Start the process if it does not run: it is then there when it is needed."""
+        with self._turn:
+            self._running()
+
+    def close(self) -> None:
+        """End the process; it is started again when it is needed."""
+        with self._turn:
+            self._end()
+
+    def compile(
+        self, data: bytes, file: str, *, backend: str, timeout: float = DEFAULT_TIMEOUT,
+        breathe: Breathe = breathless,
+    ) -> Compilation:
+        """Compile a program file's bytes; as ``compile_program`` otherwise.
+
+        Raises LadderError with every error that was found, L0521 if it takes longer than
+        ``timeout`` seconds.  ``breathe`` is called between the parts of what has to be done here.
+        Without another process all is done in this one.
+        """
+        source_hash = file_hash(data, file)
+        key = hashlib.sha256(f'{source_hash} {backend} {file}'.encode(errors='replace'))
+        source = (data, file, backend, source_hash)
+        if backend not in BACKENDS:
+            return _compile_here(source)
+        try:
+            with self._turn, self._bounded(timeout, file) as listen:
+                found = self._compile(listen, key.hexdigest(), source, breathe)
+        except (_Gone, OSError):
+            found = None
+        return found or _compile_here(source)
+
+    def build(
+        self, program: _Build, variant: Variant, timeout: float = DEFAULT_TIMEOUT,
+    ) -> Mapping[str, Scan]:
+        """Build another variant of a program that was compiled."""
+        try:
+            with self._turn, self._bounded(timeout, program.source[1]) as listen:
+                if self._asked(listen, ('variant', program.key, variant), program):
+                    return unpack_code(listen, breathless)
+        except (_Gone, OSError):
+            pass
+        return _compile_here(program.source).first(variant)
+
+    def native(
+        self, program: _Build, timeout: float = DEFAULT_TIMEOUT,
+    ) -> tuple[NativeProgram, Mapping[str, Scan], list[bytes]]:
+        """Make the object code of a program that was compiled, a module in each turn.
+
+        Others have their turns in between.  Returns what `native.load_native` needs.  Raises
+        InternalError if the process cannot make it.
+        """
+        file = program.source[1]
+        try:
+            with self._turn, self._bounded(timeout, file) as listen:
+                if not self._asked(listen, ('native', program.key), program):
+                    raise _Gone
+                found, rest = unpack_native(listen, breathless)
+                modules = pickle.loads(listen())
+            objects: list[bytes] = []
+            for number in range(modules):
+                with self._turn, self._bounded(timeout, file) as listen:
+                    if not self._asked(listen, ('object', program.key, number), program):
+                        raise _Gone
+                    objects.append(listen())
+        except (_Gone, OSError):
+            raise InternalError('compiler', 'the process that makes native code has '
+                                            'ended') from None
+        return found, rest, objects
+
+    def transition(
+        self, old: Executable, new: Executable, breathe: Breathe = breathless,
+    ) -> Transition:
+        """Return how the old program's state becomes the new one's."""
+        found = self._compared(
+            'transition', old, new, lambda listen: unpack_transition(listen, old, new, breathe))
+        return found or _LOCAL.transition(old, new, breathe)
+
+    def compare(
+        self, old: Executable, new: Executable, forces: Mapping[int, Value],
+        breathe: Breathe = breathless,
+    ) -> Comparison:
+        """Return all that a change would do; ``forces`` are the old program's, by slot."""
+        found = self._compared(
+            'compare', old, new, lambda listen: unpack_comparison(listen, breathe), dict(forces))
+        return found or _LOCAL.compare(old, new, forces, breathe)
+
+    def _compared(
+        self, request: str, old: Executable, new: Executable, read: Callable[[Receive], _T],
+        *more: object,
+    ) -> _T | None:
+        """Return what the process says about two programs; None if it is to be found here.
+
+        That is so if it has not compiled them, has ended, or is at work for somebody else.
+        """
+        builds = [program.build for program in (old, new)]
+        ours = [build for build in builds if isinstance(build, _Build) and build.process is self]
+        if len(ours) < 2 or not self._turn.acquire(blocking=False):
+            return None
+        keys = (build.key for build in ours)
+        try:
+            with self._bounded(DEFAULT_TIMEOUT, ours[1].source[1]) as listen:
+                fine = self._asked(listen, (request, *keys, *more), *ours)
+                return read(listen) if fine else None
+        except (_Gone, OSError, LadderError):
+            return None
+        finally:
+            self._turn.release()
+
+    def _compile(
+        self, listen: Receive, key: str, source: Source, breathe: Breathe,
+    ) -> Compilation | None:
+        self._ask(('compile', key, *source))
+        word, content = pickle.loads(listen())
+        if word == 'wrong':
+            raise LadderError(content)
+        if word != 'fine':
+            return None
+        layout = unpack_layout(listen, breathe)
+        code = unpack_code(listen, breathe)
+        build = _Build(self, key, source, code)
+        faster = _Faster(build) if layout['backend'] == 'native' else None
+        return Compilation(diagnostics=content, first=build, executable=Executable(
+            **layout, build=build, faster=faster))
+
+    def _asked(self, listen: Receive, request: tuple[object, ...], *programs: _Build) -> bool:
+        """Ask about programs; say whether the rest of the answer comes now."""
+        for _ in range(2):
+            self._ask(request)
+            if pickle.loads(listen())[0] == 'fine':
+                return True
+            for program in programs:  # it has forgotten one of them
+                self._ask(('learn', program.key, *program.source))
+                listen()
+        return False
+
+    def _ask(self, request: object) -> None:
+        assert self._process is not None and self._process.stdin is not None
+        send(self._process.stdin, pickle.dumps(request))  # type: ignore[arg-type]
+        self._process.stdin.flush()
+
+    @contextmanager
+    def _bounded(self, timeout: float, file: str) -> Iterator[Receive]:
+        """Give what the process says; end it if that takes too long or is not understood."""
+        process = self._running()
+        is_late = threading.Event()
+
+        def end() -> None:
+            is_late.set()
+            process.kill()
+
+        timer = threading.Timer(timeout, end)
+        timer.daemon = True
+        timer.start()
+        try:
+            assert process.stdout is not None
+            stream: BinaryIO = process.stdout  # type: ignore[assignment]
+            yield lambda: receive(stream)
+        except LadderError:
+            raise
+        except BaseException as error:
+            self._end()
+            if is_late.is_set():
+                raise LadderError.of(
+                    'L0521', Location(file=file), reason=f'it takes longer than {timeout:g} s',
+                    expected='make it smaller, or split it') from None
+            if isinstance(error, (EOFError, BrokenPipeError, pickle.UnpicklingError)):
+                raise _Gone from None
+            raise
+        finally:
+            timer.cancel()
+
+    def _running(self) -> subprocess.Popen[bytes]:
+        if self._process is None or self._process.poll() is not None:
+            self._end()
+            root = str(Path(ladder_ros.__file__).parents[1])
+            paths = [root, *filter(None, [os.environ.get('PYTHONPATH')])]
+            self._process = subprocess.Popen(
+                [sys.executable, '-m', 'ladder_ros.background.worker'], stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE, start_new_session=True,  # no Ctrl-C for it
+                env={**os.environ, 'PYTHONPATH': os.pathsep.join(paths)})
+        return self._process
+
+    def _end(self) -> None:
+        process, self._process = self._process, None
+        if process is None:
+            return
+        process.kill()
+        for stream in (process.stdin, process.stdout):
+            if stream is not None:
+                with suppress(OSError):  # about what it was to be sent
+                    stream.close()
+        process.wait()
+
+
+def _compile_here(source: tuple[bytes, str, str, str]) -> Compilation:
+    data, file, backend, source_hash = source
+    return compile_program(
+        parse_any(data, file), backend=backend, source_hash=source_hash)
+
+
+COMPILER = CompilerProcess()
+"""The one process of this one."""

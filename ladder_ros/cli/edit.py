@@ -1,0 +1,266 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""``ladder edit``: change rungs by the operations that keep them right."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from ladder_ros import editing
+from ladder_ros.cli.programs import find_program
+from ladder_ros.cli.terminal import shows_box_characters, write_file
+from ladder_ros.cli.verb import add_json, Answer, Verb
+
+_Parser = argparse.ArgumentParser
+_Edits = Sequence[editing.Edit]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Action:
+    """One word behind the program: its options, and the edits that they mean."""
+
+    summary: str
+    add: Callable[[_Parser], None]
+    edits: Callable[[argparse.Namespace], _Edits]
+
+
+def _add_arguments(parser: _Parser) -> None:
+    actions = parser.add_subparsers(dest='action', metavar='ACTION', required=True)
+    for name, action in ACTIONS.items():
+        one = actions.add_parser(
+            name, help=action.summary, description=action.summary, allow_abbrev=False)
+        action.add(one)
+        one.add_argument('--pou', metavar='NAME', default='',
+                         help='the body or composite; not needed if there is just one body')
+        one.add_argument('--columns', metavar='N', type=int, default=editing.COLUMNS,
+                         help=f'how wide a rung may become (default {editing.COLUMNS})')
+        one.add_argument('--ascii', action='store_true', help='draw with ASCII characters')
+        one.add_argument('-o', '--output', metavar='FILE',
+                         help='write the program to this file, which may be the same')
+        add_json(one)
+
+
+def _run(args: argparse.Namespace) -> Answer:
+    ascii_only = args.ascii or (not args.json and not shows_box_characters())
+    edits = ACTIONS[args.action].edits(args)
+    edited = editing.edit_file(
+        find_program(args.program), edits, columns=args.columns, ascii_only=ascii_only)
+    facts: dict[str, object] = {
+        'edits': [editing.edit_to_json(edit) for edit in edits],
+        'places': [{'pou': p.pou, 'rung': p.rung, 'component': p.component}
+                   for p in edited.places],
+        'drawing': edited.drawing}
+    if args.output is None:
+        facts['text'] = edited.text
+    else:
+        write_file(args.output, [edited.text])
+        facts['output'] = args.output
+    return Answer(text=[edited.drawing], facts=facts)
+
+
+# -- options ------------------------------------------------------------------------------------
+
+def _add_rung(parser: _Parser) -> None:
+    parser.add_argument('rung', metavar='RUNG', help='id of the rung')
+
+
+def _add_target(parser: _Parser) -> None:
+    _add_rung(parser)
+    parser.add_argument('target', metavar='COMPONENT', help='id of the component')
+
+
+def _add_part(parser: _Parser, comment: str = 'comment of the component') -> None:
+    kinds = parser.add_mutually_exclusive_group(required=True)
+    kinds.add_argument('--contact', metavar='VARIABLE', help='put in a contact')
+    kinds.add_argument('--coil', metavar='VARIABLE', help='put in a coil')
+    kinds.add_argument('--block', metavar='TYPE', help='put in a block, such as TON')
+    kinds.add_argument('--composite', metavar='NAME', help='put in an instance of a composite')
+    _add_kind(parser)
+    parser.add_argument('--instance', metavar='NAME', default='',
+                        help='name of the block or composite instance')
+    _add_pins(parser)
+    parser.add_argument('--id', default='', help='id of the new component (by default the next)')
+    parser.add_argument('--comment', default='', help=comment)
+    parser.add_argument('--specification', default='', help='what the component does')
+
+
+def _add_kind(parser: _Parser) -> None:
+    parser.add_argument(
+        '--kind', help='of a contact: no, nc, rising, falling; of a coil: coil, negated, set, '
+                       'reset, rising, falling')
+
+
+def _add_pins(parser: _Parser) -> None:
+    parser.add_argument(
+        '--pin', metavar='PIN=VALUE', action='append', type=_pin, default=[],
+        help='connect a variable, a literal or @id.PIN to a pin or parameter')
+
+
+def _pin(text: str) -> tuple[str, str]:
+    name, equals, value = text.partition('=')
+    if not equals or not name:
+        raise argparse.ArgumentTypeError(f'{text!r} is not PIN=VALUE')
+    return name, value
+
+
+def _part(args: argparse.Namespace, *, comment: bool = True) -> editing.Part:
+    named = {
+        editing.PartKind.CONTACT: args.contact, editing.PartKind.COIL: args.coil,
+        editing.PartKind.BLOCK: args.block, editing.PartKind.INSTANCE: args.composite}
+    kind, name = next((kind, name) for kind, name in named.items() if name is not None)
+    is_box = kind in (editing.PartKind.BLOCK, editing.PartKind.INSTANCE)
+    return editing.Part(
+        kind=kind, operand='' if is_box else name, type=name if is_box else '',
+        variant=args.kind or '', instance=args.instance, pins=tuple(args.pin), id=args.id,
+        comment=args.comment if comment else '', specification=args.specification)
+
+
+# -- components -----------------------------------------------------------------------------------
+
+def _add_add_series(parser: _Parser) -> None:
+    _add_target(parser)
+    _add_part(parser)
+    parser.add_argument('--before', action='store_true', help='before it, not behind it')
+    parser.add_argument('--joint', action='store_true',
+                        help='beyond the vertical line there, in series with all branches')
+
+
+def _add_series(args: argparse.Namespace) -> _Edits:
+    where = editing.Where.BEFORE if args.before else editing.Where.AFTER
+    return [editing.AddSeries(pou=args.pou, rung=args.rung, target=args.target, where=where,
+                              joint=args.joint, part=_part(args))]
+
+
+def _add_add_parallel(parser: _Parser) -> None:
+    _add_target(parser)
+    _add_part(parser)
+    parser.add_argument('--until', metavar='COMPONENT', default='',
+                        help='the last component of the span (by default the first alone)')
+
+
+def _add_parallel(args: argparse.Namespace) -> _Edits:
+    return [editing.AddParallel(pou=args.pou, rung=args.rung, target=args.target,
+                                until=args.until, part=_part(args))]
+
+
+def _add_add_output(parser: _Parser) -> None:
+    _add_target(parser)
+    _add_part(parser)
+
+
+def _add_output(args: argparse.Namespace) -> _Edits:
+    return [editing.AddOutput(pou=args.pou, rung=args.rung, target=args.target,
+                              part=_part(args))]
+
+
+def _delete(args: argparse.Namespace) -> _Edits:
+    return [editing.Delete(pou=args.pou, rung=args.rung, target=args.target)]
+
+
+def _add_set(parser: _Parser) -> None:
+    _add_target(parser)
+    parser.add_argument('--operand', metavar='VARIABLE')
+    _add_kind(parser)
+    _add_pins(parser)
+    parser.add_argument('--comment')
+    parser.add_argument('--specification')
+
+
+def _set(args: argparse.Namespace) -> _Edits:
+    return [editing.Set(
+        pou=args.pou, rung=args.rung, target=args.target, operand=args.operand,
+        variant=args.kind, pins=tuple(args.pin), comment=args.comment,
+        specification=args.specification)]
+
+
+# -- rungs ----------------------------------------------------------------------------------------
+
+def _add_before(parser: _Parser) -> None:
+    parser.add_argument('--before', metavar='RUNG', default='',
+                        help='the rung that shall follow (by default it goes to the end)')
+
+
+def _add_new_rung(parser: _Parser) -> None:
+    _add_part(parser, comment='comment of the rung')
+    parser.add_argument('--rung', metavar='ID', default='', help='id of the new rung')
+    _add_before(parser)
+
+
+def _new_rung(args: argparse.Namespace) -> _Edits:
+    return [editing.NewRung(pou=args.pou, part=_part(args, comment=False), rung=args.rung,
+                            before=args.before, comment=args.comment)]
+
+
+def _add_set_rung(parser: _Parser) -> None:
+    _add_rung(parser)
+    parser.add_argument('--comment', required=True)
+
+
+def _set_rung(args: argparse.Namespace) -> _Edits:
+    return [editing.SetRung(pou=args.pou, rung=args.rung, comment=args.comment)]
+
+
+def _delete_rung(args: argparse.Namespace) -> _Edits:
+    return [editing.DeleteRung(pou=args.pou, rung=args.rung)]
+
+
+def _add_move_rung(parser: _Parser) -> None:
+    _add_rung(parser)
+    _add_before(parser)
+
+
+def _move_rung(args: argparse.Namespace) -> _Edits:
+    return [editing.MoveRung(pou=args.pou, rung=args.rung, before=args.before)]
+
+
+def _add_copy_rung(parser: _Parser) -> None:
+    _add_rung(parser)
+    parser.add_argument('--as', dest='copy', metavar='ID', default='', help='id of the copy')
+    _add_before(parser)
+
+
+def _copy_rung(args: argparse.Namespace) -> _Edits:
+    return [editing.CopyRung(pou=args.pou, rung=args.rung, copy=args.copy, before=args.before)]
+
+
+def _add_apply(parser: _Parser) -> None:
+    parser.add_argument('edits', metavar='EDITS.json', help='a list of edits as JSON objects')
+
+
+def _apply(args: argparse.Namespace) -> _Edits:
+    return editing.read_edits(args.edits)
+
+
+ACTIONS: Mapping[str, _Action] = {
+    'add-series': _Action(
+        summary='put a component in series', add=_add_add_series, edits=_add_series),
+    'add-parallel': _Action(
+        summary='put a component in parallel to one or to a span', add=_add_add_parallel,
+        edits=_add_parallel),
+    'add-output': _Action(
+        summary='lead a new branch to an output', add=_add_add_output, edits=_add_output),
+    'delete': _Action(summary='delete a component', add=_add_target, edits=_delete),
+    'set': _Action(summary="change a component's operand, kind or pins", add=_add_set, edits=_set),
+    'new-rung': _Action(
+        summary='add a rung with its output', add=_add_new_rung, edits=_new_rung),
+    'set-rung': _Action(summary="change a rung's comment", add=_add_set_rung, edits=_set_rung),
+    'delete-rung': _Action(summary='delete a rung', add=_add_rung, edits=_delete_rung),
+    'move-rung': _Action(summary='move a rung', add=_add_move_rung, edits=_move_rung),
+    'copy-rung': _Action(summary='copy a rung', add=_add_copy_rung, edits=_copy_rung),
+    'apply': _Action(summary='do the edits of a file', add=_add_apply, edits=_apply),
+}
+"""The words behind the program."""
+
+VERB = Verb(
+    name='edit',
+    summary='change rungs by operations that keep them right',
+    description='Change a rung by its graph and draw it anew: what comes out compiles, has an '
+                'output at the end of every branch, and is not too wide. The rung is printed; '
+                'the program is only written with -o.',
+    examples=('edit start_stop add-series 1 c2 --contact ready --kind nc -o new.xml',
+              'edit start_stop add-parallel 1 c2 --until c3 --contact start',
+              'edit start_stop delete 1 c3',
+              'edit start_stop new-rung --coil ready --before 2'),
+    add_arguments=_add_arguments, run=_run)

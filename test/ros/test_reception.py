@@ -1,0 +1,93 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""What becomes of one message on its way to several variables."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import pytest
+from ros.test_io_map import executable, resolve
+
+from ladder_ros.model.types import DataType
+from ladder_ros.ros.conversions import Misfit
+from ladder_ros.ros.reception import Input, Reception, Source
+from ladder_ros.session import Write
+
+pytestmark = pytest.mark.ros
+POLYGON = 'geometry_msgs/msg/PolygonStamped'
+PROGRAM = executable(
+    ('x', 'input', DataType.REAL), ('y', 'input', DataType.REAL),
+    ('far', 'input', DataType.BOOL), ('frame', 'input', DataType.STRING))
+
+
+class Fed:
+    """The inputs of a topic, and what they have stored."""
+
+    def __init__(self, entries: dict[str, Any]) -> None:
+        names = {key.partition('.')[0] for key in entries}
+        self.stored: list[list[Write]] = []
+        points = [point for point in resolve(entries, PROGRAM).inputs
+                  if point.slot.path in names]
+        self.source = Source(points[0].endpoint)
+        self.inputs = {
+            point.slot.path: Input(
+                point=point, state=Reception(lock=self.source.lock), store=self._store)
+            for point in points}
+        self.source.feed(self.inputs.values())
+
+    def _store(self, values: Iterable[Write], *, of: object = None) -> None:
+        self.stored.append(list(values))
+
+
+def corners(*points: tuple[float, float], frame: str = '') -> Any:
+    from geometry_msgs.msg import Point32, PolygonStamped
+
+    message = PolygonStamped()
+    message.header.frame_id = frame
+    message.polygon.points = [Point32(x=x, y=y) for x, y in points]
+    return message
+
+
+@pytest.fixture
+def fed() -> Fed:
+    """Four variables on one message."""
+    where = {'topic': 'area', 'type': POLYGON}
+    fields: dict[str, dict[str, Any]] = {
+        'x': {'field': 'polygon.points[1].x'}, 'y': {'field': 'polygon.points[0].y'},
+        'far': {'field': 'polygon.points[1].x', 'above': 2.0, 'hysteresis': 0.5},
+        'frame': {'field': 'header.frame_id'}}
+    return Fed({f'{name}.{key}': value for name, own in fields.items()
+                for key, value in {**where, **own}.items()})
+
+
+def test_message_when_it_feeds_several_variables_then_all_are_stored_at_once(fed: Fed) -> None:
+    fed.source.receive(corners((0.0, 1.0), (3.0, 4.0), frame='map'))
+    (stored,) = fed.stored
+    assert {PROGRAM.slots[index].path: value for index, value, _ in stored} == {
+        'x': 3.0, 'y': 1.0, 'far': True, 'frame': 'map'}
+
+
+def test_message_when_an_element_is_missing_then_only_what_lies_in_it_is_rejected(
+        fed: Fed) -> None:
+    fed.source.receive(corners((0.0, 1.0), (3.0, 4.0)))
+    fed.source.receive(corners((0.0, 5.0)))
+    assert [PROGRAM.slots[index].path for index, _, _ in fed.stored[1]] == ['y', 'frame']
+    x, y = fed.inputs['x'].state, fed.inputs['y'].state
+    assert (x.value, x.received, x.rejected, x.misfit) == (3.0, 1, 1, Misfit.ABSENT)
+    assert (y.value, y.received, y.rejected, y.misfit) == (5.0, 2, 0, None)
+
+
+def test_limit_when_messages_follow_each_other_then_it_remembers_where_it_was(fed: Fed) -> None:
+    for x in (2.0, 1.6, 1.4, 1.6):
+        fed.source.receive(corners((0.0, 0.0), (x, 0.0)))
+    far = PROGRAM.by_path['far'].index
+    assert [value for stored in fed.stored for index, value, _ in stored if index == far] == [
+        True, True, False, False]
+
+
+def test_variable_when_it_is_new_on_a_topic_then_it_recalls_the_last_message(fed: Fed) -> None:
+    fed.inputs['y'].recall(corners((0.0, 7.0)))
+    fed.inputs['x'].recall(corners((0.0, 7.0)))
+    assert (fed.inputs['y'].state.value, fed.inputs['x'].state.value) == (7.0, None)
