@@ -65,6 +65,7 @@ _FILES = (
            'give it an interval, such as T#10ms, or the variable whose rise runs it: single'),
     _error('L0115', 'the import options cannot be used: {reason}',
            'write for instance {{"order": "position-kind", "stubs": true}}; orders: {orders}'),
+    _error('L0116', '<{element}> cannot stand in {where}', '{expected}'),
     _error('L0120', 'this is no Structured Text: {what} (column {column})', '{expected}'),
     _error('L0121', 'the Structured Text is too large: {what}',
            'at most {limit}; split it, or put parts of it into variables or POUs of their own'),
@@ -198,6 +199,10 @@ _RUNNING = (
     _error('L0510', 'programs cannot be written as {form}', 'available here: {known}'),
     _error('L0511', '{what} cannot be written as {form}',
            'change that part of the program, or export it to another form'),
+    _error('L0512', 'there is no rung {name} in {place}', 'it has {known}'),
+    _error('L0513', 'the values cannot be read: {reason}',
+           'give a message of ~/monitor, a JSON object of values by variable, or a CSV table as '
+           '`ladder simulate` writes it'),
     _error('L0520', '{request} is not possible: {reason}', '{expected}'),
     _error('L0521', 'the program was not compiled: {reason}', '{expected}'),
     _warning('L0522', '{name} was nowhere: the running program has no {places}',

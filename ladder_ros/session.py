@@ -1,6 +1,6 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The facade that every door uses: check, show, compile, simulate, run, force, change, observe.
+"""The facade that every door uses: check, compile, simulate, run, force, change, observe.
 
 Mistakes of the user raise :class:`~ladder_ros.diagnostics.LadderError`.  The functions look at a
 program file and return; a :class:`Session` runs one program in a thread of its own.
@@ -13,12 +13,12 @@ from datetime import datetime, timezone
 import os
 
 from ladder_ros.background.process import COMPILER
-from ladder_ros.compiler.dump import dump_stage, require_pou, STAGES, with_drawings
+from ladder_ros.compiler.dump import dump_stage, STAGES
 from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
 from ladder_ros.compiler.program_to_plcopen import write_plcopen
 from ladder_ros.compiler.program_to_st import write_st
+from ladder_ros.compiler.program_to_xml import write_xml
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location
-from ladder_ros.drawing.rung_text import draw_program, Style
 from ladder_ros.executable import Executable
 from ladder_ros.model.program import Program
 from ladder_ros.model.types import Value
@@ -54,7 +54,6 @@ from ladder_ros.runtime.statistics import Statistics
 from ladder_ros.runtime.trace_csv import format_rows, InputTable
 from ladder_ros.runtime.trial import ChangeKind, DEFAULT_OVERRUN_LIMIT, DEFAULT_TIMEOUT
 from ladder_ros.runtime.values import format_value, parse_value
-from ladder_ros.source.model_to_xml import write_program
 from ladder_ros.source.read_any import file_hash, folder_hash, openplc_folder, parse_any, read_any
 from ladder_ros.source.xml_tree import read_file
 
@@ -96,7 +95,6 @@ __all__ = [
     'named_slots',
     'parse_value',
     'replay',
-    'show',
     'simulate',
 ]
 
@@ -137,19 +135,6 @@ def dump(path: str | os.PathLike[str], stage: str, pou: str | None = None) -> st
     return dump_stage(program, stage, pou)
 
 
-def show(
-    path: str | os.PathLike[str], pou: str | None = None, *,
-    ascii_only: bool = False, grid: bool = False,
-) -> str:
-    """Return the drawings of a program's rungs, or of one POU's; ``grid`` numbers the cells.
-
-    Raises LadderError.
-    """
-    program, _, _ = _read(path)
-    require_pou(program, pou)
-    return draw_program(with_drawings(program), pou, Style(ascii_only=ascii_only, grid=grid))
-
-
 def export(path: str | os.PathLike[str], to: str) -> str:
     """Return a program in another form (one of EXPORTS).  Raises LadderError."""
     if to not in EXPORTS:
@@ -162,10 +147,7 @@ def export(path: str | os.PathLike[str], to: str) -> str:
         return write_st(program)
     if to == 'il':
         return dump_stage(program, 'il')
-    if program.dialect != 'native':
-        raise LadderError.of('L0511', program.location, form='xml',
-                             what='a program that was drawn elsewhere')
-    return write_program(program)
+    return write_xml(program)
 
 
 def compile_file(path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -> Loaded:

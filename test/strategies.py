@@ -27,6 +27,7 @@ from ladder_ros.model.component import (
 )
 from ladder_ros.model.program import (
     Body,
+    CallKind,
     Composite,
     Direction,
     Parameter,
@@ -38,7 +39,7 @@ from ladder_ros.model.program import (
     VariableClass,
 )
 from ladder_ros.model.types import DataType, INTEGER_RANGE, TIME_RANGE, Value
-from ladder_ros.source.xml_to_model import DRAWN_CALLS, normalise_prose
+from ladder_ros.source.xml_form import normalise_prose
 
 T = TypeVar('T')
 
@@ -207,7 +208,8 @@ def parameters(draw: st.DrawFn) -> Parameter:
 def composites() -> st.SearchStrategy[Composite]:
     """Generate composite definitions."""
     return st.builds(
-        Composite, name=names(), call=st.sampled_from(DRAWN_CALLS), parameters=_few(parameters()),
+        Composite, name=names(), call=st.sampled_from((CallKind.INLINE, CallKind.ENABLED)),
+        parameters=_few(parameters()),
         variables=_few(variables(in_composite=True)), rungs=_few(rungs(), 2), category=texts(),
         specification=specifications())
 

@@ -26,16 +26,17 @@ MODULE_LINES = 600
 FUNCTION_LINES = 60
 
 # What a room may import of the package, as module prefixes; its own modules it may always import.
-BASE = {'problems', 'diagnostics'}
+BASE = {'problems', 'diagnostics', 'garbage'}
 DATA = BASE | {'model', 'executable'}
 DOORS = BASE | {
-    'session', 'editing', 'refactoring', 'proving', 'comparing', 'model.types', 'executable',
-    'runtime.clock', 'resources',
+    'session', 'editing', 'refactoring', 'proving', 'comparing', 'showing', 'model.types',
+    'executable', 'runtime.clock', 'resources',
 }
 MAY_IMPORT: dict[str, set[str]] = {
     '': set(),
     'problems': set(),
     'resources': set(),
+    'garbage': set(),
     'diagnostics': {'problems'},
     'model': BASE,
     'source': BASE | {'model'},
@@ -51,11 +52,12 @@ MAY_IMPORT: dict[str, set[str]] = {
     # Does for the runtime what the compiler can, in another process.
     'background': DATA | {'source', 'blocks', 'compiler', 'runtime'},
     'session': DATA | {
-        'source', 'drawing', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'background',
+        'source', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'background',
         'resources', 'proving_process',
     },
     'refactoring': DATA | {'source', 'drawing', 'compiler', 'refactor'},
     'proving': DATA | {'source', 'compiler', 'refactor', 'runtime'},
+    'showing': DATA | {'source', 'drawing', 'compiler', 'refactor'},
     'editing': DATA | {'source', 'drawing', 'edit'},
     # What a recording of topics is for a program is the node's to say; that part needs no ROS.
     'cli': DOORS | {'ros.bag'},

@@ -147,14 +147,6 @@ def test_dump_when_the_pou_is_unknown_then_l0509(program: Path) -> None:
     assert codes(lambda: session.dump(program, 'il', 'nobody')) == ['L0509']
 
 
-def test_show_when_asked_for_a_body_then_its_rungs_are_drawn(program: Path) -> None:
-    assert 'TON' in session.show(program, 'MAIN', ascii_only=True)
-
-
-def test_show_when_the_pou_is_unknown_then_l0509(program: Path) -> None:
-    assert codes(lambda: session.show(program, 'nobody')) == ['L0509']
-
-
 def test_export_when_written_as_xml_then_it_means_the_same(program: Path, tmp_path: Path) -> None:
     again = tmp_path / 'again.xml'
     again.write_text(session.export(program, 'xml'))

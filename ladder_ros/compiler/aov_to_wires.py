@@ -280,11 +280,29 @@ class _Network:
             if pin == 'EN' and ports == (Port(),):
                 continue  # always enabled: EN need not be drawn
             self.connect(ports, Port(component=number, pin=pin))
-        self.outputs(number, place, symbol.resolved.outputs)
-        self.ports[symbol.id] = (Port(component=number, pin=kind.power_output),)
         enabled = dict(taken).get('EN', (Port(),))
+        if kind.is_function or enabled == (Port(),):
+            self.outputs(number, place, symbol.resolved.outputs)
+        else:
+            self.guarded_outputs(number, symbol.resolved.outputs)
+        self.ports[symbol.id] = (Port(component=number, pin=kind.power_output),)
         if kind.is_function and enabled != (Port(),) and kind.name not in SURE:
             self.zero_on_error(number, enabled, symbol.resolved.outputs)
+
+    def guarded_outputs(self, number: str, bound: Sequence[tuple[str, Operand]]) -> None:
+        """Take a function block's outputs where it was called: an outVariable always writes."""
+        for pin, target in bound:
+            source = Port(component=number, pin=pin)
+            if '%data' in str(target):
+                self.maker.data[str(target).casefold()] = source
+                continue
+            done = (Port(component=number, pin='ENO'),)
+            move = self.maker.new_id()
+            place = self.place(done, width=100, height=90)
+            self.put(Block(id=move, placement=place, type='MOVE'))
+            self.connect(done, Port(component=move, pin='EN'))
+            self.connect([source], Port(component=move, pin='IN'))
+            self.outputs(move, place, [('OUT', target)])
 
     def zero_on_error(
         self, number: str, enabled: tuple[Port, ...], outputs: Sequence[tuple[str, Operand]],

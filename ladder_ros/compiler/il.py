@@ -92,6 +92,8 @@ class Op(Enum):
     RET = 'RET'
     JMP = 'JMP'
 
+    __hash__ = object.__hash__  # Enum's own is Python code, and members are looked up all the time
+
 
 LOADS = frozenset({Op.LD, Op.LDN, Op.LDP, Op.LDF})
 EDGES = frozenset({Op.LDP, Op.LDF, Op.ANDP, Op.ANDF, Op.ORP, Op.ORF, Op.STP, Op.STF})

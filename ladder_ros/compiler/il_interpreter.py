@@ -238,10 +238,12 @@ class _Machine:
     def _function_block(self, call: Call) -> None:
         kind = CATALOGUE[call.name]
         bound: dict[str, Value] = {pin: self.read(operand) for pin, operand in call.inputs}
-        if not bound.pop('EN', True):
+        bound.setdefault(kind.power_input, self.stack[-1])
+        if not bound.get('EN', True):
+            if kind.output('ENO') is not None:
+                self.write(_field(call, 'ENO'), False)
             self.stack[-1] = bool(self.read(_field(call, kind.power_output)))
             return
-        bound.setdefault(kind.power_input, self.stack[-1])
         inputs = [bound[pin.name] for pin in kind.inputs]
         fields = [_field(call, pin.name) for pin in kind.state]
         after = FUNCTION_BLOCKS[call.name](self.now, *inputs, *(self.read(f) for f in fields))

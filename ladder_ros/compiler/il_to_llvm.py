@@ -518,12 +518,13 @@ class ChunkEmitter:
         state = [self._step_value(*typed) for typed in zip(before, types, strict=True)]
         after = inline_step(
             builder, FUNCTION_BLOCKS[call.name], [builder.spread('%now'), *inputs, *state])
-        for index, old, new in zip(fields, before, after, strict=True):
-            self._store(index, builder.select(enabled, self._of_step(new, old.ir), old))
+        for own, index, old, new in zip(kind.state, fields, before, after, strict=True):
+            otherwise = builder.false if own.name == 'ENO' else old
+            self._store(index, builder.select(enabled, self._of_step(new, old.ir), otherwise))
         if kind.is_timer:
             self.timers.add(self.memory.slots[f'{call.instance}.%running'.casefold()])
-        for pin, target in call.outputs:
-            value = self._load(self.memory.slots[f'{call.instance}.{pin}'.casefold()])
+        for name, target in call.outputs:
+            value = self._load(self.memory.slots[f'{call.instance}.{name}'.casefold()])
             self._assign(target, value, enabled)
         place = [pin.name for pin in kind.state].index(kind.power_output)
         self.stack.append(self._load(fields[place]))

@@ -515,6 +515,8 @@ class _Emitter:
             self._write(target, f's[{self._field(call, pin)}]')
         if enabled != 'True':
             self.indent = self.indent[4:]
+            if kind.output('ENO') is not None:
+                self.put(f"else: s[{self._field(call, 'ENO')}] = False")
         output = self._field(call, kind.power_output)
         self.stack.append(_Value(text=f's[{output}]', reads=frozenset({output})))
 

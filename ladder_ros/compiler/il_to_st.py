@@ -367,15 +367,20 @@ class StEmitter:
             f'{pin.name} := {bound[pin.name]}' for pin in kind.inputs
             if bound.get(pin.name, f'{name}.{pin.name}') != f'{name}.{pin.name}')
         enabled = bound.get('EN', 'TRUE')
-        if enabled != 'TRUE':
-            self.put(f'IF {enabled} THEN')
-            self.indent += '  '
-        self.put(f'{name}({arguments});')
-        for pin_name, target in call.outputs:
-            self.write(target, f'{name}.{pin_name}')
-        if enabled != 'TRUE':
-            self.indent = self.indent[:-2]
-            self.put('END_IF;')
+        guards = kind.input('EN') is None
+        if not guards:  # its ENO says whether it was executed
+            self.put(f'{name}({arguments});')
+        if guards or call.outputs:
+            if enabled != 'TRUE':
+                self.put(f'IF {enabled} THEN')
+                self.indent += '  '
+            if guards:
+                self.put(f'{name}({arguments});')
+            for pin_name, target in call.outputs:
+                self.write(target, f'{name}.{pin_name}')
+            if enabled != 'TRUE':
+                self.indent = self.indent[:-2]
+                self.put('END_IF;')
         self.stack.append(_Value(
             text=f'{name}.{kind.power_output}', reads=frozenset({_root(name)})))
 
@@ -388,7 +393,7 @@ class StEmitter:
         targets = dict(call.outputs)
         wants_eno = 'ENO' in targets or (kind.power_output == 'ENO' and not is_last)
         if kind.power_output == 'OUT' and 'OUT' not in targets and not wants_eno:
-            value = _application(kind, arguments)
+            value = _application(kind, arguments, call)
             self.stack.append(value if power.text == 'TRUE' else self._combine(
                 power, value, _AND))
             return
@@ -414,7 +419,8 @@ class StEmitter:
                 self.put(f'{fine.text} := FALSE;')
             self.put(f'IF {power.text} THEN')
             self.indent += '  '
-        value = _application(kind, arguments, eno=fine.text if unsure else '')
+        value = _application(
+            kind, arguments, call, eno=fine.text if unsure else '')
         self.put(f'{out} := {value.text};')
         kept = [target for pin, target in call.outputs
                 if pin == 'OUT' and '%data' not in str(target)]
@@ -466,20 +472,33 @@ def _unsettled(value: _Value) -> _Value:
     return _Value(text=value.text, reads=value.reads | {''}, binds=value.binds)
 
 
+_STANDARD = {'MUL_TIME': 'MULTIME', 'DIV_TIME': 'DIVTIME', 'STRING_TO_STRING': 'MOVE'}
+
+
+def _standard_name(kind: BlockKind, call: Call) -> str:
+    """Return the name of a function that compilers of the standard's second edition know."""
+    if kind.name.startswith('TO_') and call.inputs:
+        source = call.inputs[0][1].type
+        name = f'{source}_{kind.name}'
+        return name if name in CATALOGUE and name not in _STANDARD else 'MOVE'
+    return _STANDARD.get(kind.name, kind.name)
+
+
 def _application(
-    kind: BlockKind, arguments: Sequence[tuple[str, _Value]], eno: str = '',
+    kind: BlockKind, arguments: Sequence[tuple[str, _Value]], call: Call, eno: str = '',
 ) -> _Value:
     """Return the call of a function as an expression."""
     reads = _NOTHING.union(*(value.reads for _, value in arguments))
+    spelled = _standard_name(kind, call)
     if kind.name == 'MOVE' and not eno:
         (_, value), = arguments
         return value
     if eno:
         parts = [f'{pin} := {value.text}' for pin, value in arguments if pin != 'EN']
-        text = f'{kind.name}({", ".join([*parts, f"ENO => {eno}"])})'
+        text = f'{spelled}({", ".join([*parts, f"ENO => {eno}"])})'
     else:
         plain = ', '.join(value.text for pin, value in arguments if pin != 'EN')
-        text = f'{kind.name}({plain})'
+        text = f'{spelled}({plain})'
     return _Value(text=text, reads=reads | {''})
 
 

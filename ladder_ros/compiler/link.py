@@ -31,7 +31,7 @@ from ladder_ros.compiler.symbols import (
     Target,
 )
 from ladder_ros.compiler.wiring import describe
-from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import ComponentEntry, Slot
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.program import Composite, Program
@@ -98,14 +98,18 @@ def _frame(
 
 def _place(network: Network, frame: _Pending) -> Network:
     """Return a network of a POU as one instance of the POU executes it."""
+    is_plain = not (frame.prefix or frame.bindings)
+
     def operand(old: Operand) -> Operand:
         if isinstance(old, Element):
             index = operand(old.index)
             assert not isinstance(index, Element), 'a subscript is a value'
             return replace(old, first=ref(old.first), index=index)
-        if isinstance(old, Ref) and old.path.startswith('%T'):
+        if isinstance(old, Literal) or (is_plain and not old.path.startswith('%')):
             return old
-        if isinstance(old, Ref) and belongs_to_body(old.path) and not frame.prefix:
+        if old.path.startswith('%T'):
+            return old
+        if belongs_to_body(old.path) and not frame.prefix:
             # Bodies share the program's names, but not what the compiler adds for their rungs.
             kind, _, rest = old.path.partition('.')
             return Ref(path=f'{kind}.{frame.name}.{rest}', type=old.type)
@@ -148,12 +152,9 @@ def list_components(
     slots: Mapping[str, Slot],
 ) -> tuple[ComponentEntry, ...]:
     """Return every component instance that does something, in the order of the code."""
-    kinds: dict[tuple[str, str, str], tuple[str, Location]] = {}
-    for key, aovs in graphs.items():
-        for aov in aovs:
-            for symbol in aov.symbols:
-                kinds[key, aov.rung, symbol.path] = (
-                    describe(symbol.component), symbol.component.location)
+    parts = {
+        (key, aov.rung): {symbol.path: symbol.component for symbol in aov.symbols}
+        for key, aovs in graphs.items() for aov in aovs}
     key_of = {(True, body.name): pou_key(body) for body in program.bodies}
     start_of = {(True, body.name): f'{body.name}/' for body in program.bodies}
     entries: list[ComponentEntry] = []
@@ -161,6 +162,8 @@ def list_components(
         routine_id = (routine.is_body, routine.name)
         key, start = key_of[routine_id], start_of[routine_id]
         for network in routine.networks:
+            known = parts.get((key, network.rung), {})
+            above = len(start) + len(network.rung) + 1
             for instruction in network.code:
                 if instruction.op in (Op.EXE, Op.RUN) and instruction.call is not None:
                     inner = (False, instruction.call.instance)
@@ -168,11 +171,10 @@ def list_components(
                     start_of[inner] = f'{instruction.component or instruction.call.instance}/'
                 if not instruction.component:
                     continue
-                local = instruction.component[len(f'{start}{network.rung}/'):]
-                kind, location = kinds[key, network.rung, local]
+                component = known[instruction.component[above:]]
                 entries.append(ComponentEntry(
-                    index=len(entries), path=instruction.component, kind=kind, location=location,
-                    slots=tuple(_slots_of(instruction, slots))))
+                    index=len(entries), path=instruction.component, kind=describe(component),
+                    location=component.location, slots=tuple(_slots_of(instruction, slots))))
     return tuple(entries)
 
 

@@ -236,6 +236,7 @@ class _Resolver:
 
     def _resolve_pou(self, pou: Pou, scope: Scope) -> None:
         self._unique(((r.id, r.location) for r in pou.rungs), pattern=IDENTIFIER)
+        contacts: dict[str, Resolved] = {}
         for rung in pou.rungs:
             self._unique(((c.id, c.location) for c in rung.components), pattern=IDENTIFIER)
             if rung.wires is not None:
@@ -243,7 +244,7 @@ class _Resolver:
             by_id = {c.id.casefold(): c for c in rung.components}
             in_rung = RungResolver(
                 report=self.report, scope=scope, rung=rung, by_id=by_id,
-                composites=self.composites)
+                composites=self.composites, contacts=contacts)
             found = self.resolved.setdefault((pou_key(pou), rung.id.casefold()), {})
             for component in rung.components:
                 resolved = in_rung.resolve(component)

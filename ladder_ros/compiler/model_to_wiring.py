@@ -13,8 +13,9 @@ Fails:  A down=both over nothing (L0304); a contact that ends in a free cell (L0
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 from ladder_ros.compiler.wiring import describe, End, Line, Net, Part, Rail, Wiring
 from ladder_ros.diagnostics import Diagnostic, problem
@@ -27,10 +28,20 @@ from ladder_ros.model.component import (
     Component,
     Contact,
     Row,
+    Side,
 )
 from ladder_ros.model.program import Rung
 
 Point = tuple[int, int]
+
+_ALIKE = 4096
+"""So many values that all rungs have alike are made once."""
+
+_DRAWINGS = 1024
+"""So many drawings are known again, in whichever rung: most rungs are drawn like others."""
+
+_SMALL = 64
+"""Most components of a drawing that is known again; large ones are one of a kind."""
 
 
 def analyse_connections(
@@ -41,8 +52,92 @@ def analyse_connections(
     ``ends_in_output`` says that power which reaches the right rail goes nowhere (a program body or
     an enabled composite), so that a branch has to end in an output.
     """
+    drawing = _drawing(rung, ends_in_output)
+    connections = _connections(drawing) if drawing is not None else None
+    if connections is not None:
+        return connections.of(rung), ()
     analyser = _Analyser(rung=rung, ends_in_output=ends_in_output)
     return analyser.run(), tuple(analyser.found)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Drawing:
+    """A rung, which is like any other that is drawn alike, whatever its names are."""
+
+    key: tuple[object, ...]
+    rung: Rung = field(compare=False)
+    ends_in_output: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Connections:
+    """The wiring of rungs that are drawn alike: components by their places in the rung."""
+
+    nets: tuple[Net, ...]
+    parts: tuple[tuple[int, tuple[End, ...], tuple[End, ...]], ...]
+    lines: tuple[tuple[int, int, int], ...]
+    series: tuple[tuple[int, int], ...]
+    parallel: tuple[tuple[int, int], ...]
+
+    def of(self, rung: Rung) -> Wiring:
+        """Return the wiring of one of them."""
+        components = rung.components
+        ids = [component.id for component in components]
+        return Wiring(
+            rung=rung, nets=self.nets,
+            parts=tuple([Part(component=components[place], left=left, right=right)
+                         for place, left, right in self.parts]),
+            lines=tuple([Line(component=components[place], source=source, target=target)
+                         for place, source, target in self.lines]),
+            series=tuple([(ids[one], ids[other]) for one, other in self.series]),
+            parallel=tuple([(ids[one], ids[other]) for one, other in self.parallel]),
+            likeness=self)
+
+
+def _drawing(rung: Rung, ends_in_output: bool) -> _Drawing | None:
+    """Return what the wiring depends on; None for a large rung, or where an id is used twice."""
+    components = rung.components
+    count = len(components)
+    if count > _SMALL or len({component.id for component in components}) < count:
+        return None
+    return _Drawing(rung=rung, ends_in_output=ends_in_output, key=(rung.width, tuple([
+        (type(component), component.placement,
+         _pins(component) if isinstance(component, Block) else None)
+        for component in components])))
+
+
+def _pins(block: Block) -> tuple[object, ...]:
+    return (block.type, *(
+        (argument.pin, argument.row) for argument in block.inputs if argument.row is not None),
+        '', *((argument.pin, argument.row)
+              for argument in block.outputs if argument.row is not None))
+
+
+@lru_cache(_DRAWINGS)
+def _connections(drawing: _Drawing) -> _Connections | None:
+    """Return the connections of a drawing; None if something is wrong with it."""
+    analyser = _Analyser(rung=drawing.rung, ends_in_output=drawing.ends_in_output)
+    wiring = analyser.run()
+    if analyser.found:
+        return None
+    place = {component.id: index for index, component in enumerate(drawing.rung.components)}
+    return _Connections(
+        nets=wiring.nets,
+        parts=tuple((place[part.component.id], part.left, part.right) for part in wiring.parts),
+        lines=tuple((place[line.component.id], line.source, line.target)
+                    for line in wiring.lines),
+        series=tuple((place[one], place[other]) for one, other in wiring.series),
+        parallel=tuple((place[one], place[other]) for one, other in wiring.parallel))
+
+
+@lru_cache(_ALIKE)
+def _end(pin: str, net: int) -> End:
+    return End(pin=pin, net=net)
+
+
+@lru_cache(_ALIKE)
+def _net(index: int, x: int, first: int, last: int, vertical: bool, rail: Rail) -> Net:
+    return Net(index=index, x=x, first=first, last=last, vertical=vertical, rail=rail)
 
 
 @dataclass(slots=True, kw_only=True)
@@ -61,9 +156,9 @@ class _Analyser:
         for component in self.rung.components:
             self._add_ends(component)
         self._join_verticals()
-        nets, net_of = self._nets()
-        wiring = self._wiring(nets, net_of)
-        self._check_ends(wiring, net_of)
+        nets, number = self._nets()
+        wiring = self._wiring(nets, number)
+        self._check_ends(wiring, number)
         self._check_power(wiring)
         return wiring
 
@@ -101,11 +196,12 @@ class _Analyser:
     # -- nets by union-find ---------------------------------------------------------------------
 
     def _find(self, node: object) -> object:
-        root = node
-        while self.parent.setdefault(root, root) != root:
-            root = self.parent[root]
-        while self.parent[node] != root:
-            self.parent[node], node = root, self.parent[node]
+        parent = self.parent
+        root = parent.setdefault(node, node)
+        while (above := parent[root]) is not root:
+            root = above
+        while (above := parent[node]) is not root:
+            parent[node], node = root, above
         return root
 
     def _union(self, a: object, b: object) -> None:
@@ -150,6 +246,8 @@ class _Analyser:
                 downs[place.x, bottom].append((component, node))
                 ups[place.x, place.y].append((component, node))
                 continue
+            if place.up is Side.NONE and place.down is Side.NONE:
+                continue
             for x, facing_up, facing_down in (
                 (place.x, place.up.left, place.down.left),
                 (place.x + place.width, place.up.right, place.down.right),
@@ -175,35 +273,32 @@ class _Analyser:
             self.report('L0304', component, describe(component), name=component.id, side=side,
                         remedy=remedy)
 
-    def _nets(self) -> tuple[tuple[Net, ...], Callable[[Point], int]]:
-        left, right = Rail.LEFT.value, Rail.RIGHT.value  # an Enum's hash is slow
-        points: dict[Point, None] = {}
+    def _nets(self) -> tuple[tuple[Net, ...], Mapping[Point, int]]:
+        """Return the nets, and the number of each series end's by its grid point."""
+        left, right = Rail.LEFT, Rail.RIGHT
         for _, is_left, _, point in self.ends:
-            self._find(point)
-            points[point] = None
             if is_left and point[0] == 0:
                 self._union(point, left)
             elif not is_left and point[0] == self.rung.width:
                 self._union(point, right)
         groups: dict[object, list[Point]] = defaultdict(list)
-        for point in sorted(points):
+        for point in sorted({end[3] for end in self.ends}):
             groups[self._find(point)].append(point)
         vertical = {self._find(node) for node in self.vertical}
         rail_of = {self._find(left): Rail.LEFT, self._find(right): Rail.RIGHT}
         ordered = sorted(groups.items(), key=lambda item: (
             rail_of.get(item[0]) is not Rail.LEFT, item[1][0]))
         nets = tuple(
-            Net(index=index, x=group[0][0], first=min(y for _, y in group),
-                last=max(y for _, y in group), vertical=root in vertical,
-                rail=rail_of.get(root, Rail.NONE))
+            _net(index, group[0][0], min([y for _, y in group]), max([y for _, y in group]),
+                 root in vertical, rail_of.get(root, Rail.NONE))
             for index, (root, group) in enumerate(ordered))
-        number = {root: index for index, (root, _) in enumerate(ordered)}
-        return nets, lambda point: number[self._find(point)]
+        number = {point: index for index, (_, group) in enumerate(ordered) for point in group}
+        return nets, number
 
-    def _wiring(self, nets: tuple[Net, ...], net_of: Callable[[Point], int]) -> Wiring:
+    def _wiring(self, nets: tuple[Net, ...], number: Mapping[Point, int]) -> Wiring:
         sides: dict[str, tuple[list[End], list[End]]] = defaultdict(lambda: ([], []))
         for component, is_left, pin, point in self.ends:
-            sides[component.id][0 if is_left else 1].append(End(pin=pin, net=net_of(point)))
+            sides[component.id][0 if is_left else 1].append(_end(pin, number[point]))
         parts, lines = [], []
         for component in self.rung.components:
             if isinstance(component, Column):
@@ -239,19 +334,21 @@ class _Analyser:
 
     # -- what is wrong with the drawing ----------------------------------------------------------
 
-    def _check_ends(self, wiring: Wiring, net_of: Callable[[Point], int]) -> None:
+    def _check_ends(self, wiring: Wiring, number: Mapping[Point, int]) -> None:
         givers = {end.net for part in wiring.parts for end in part.right}
         takers = {end.net for part in wiring.parts for end in part.left}
         givers |= {line.target for line in wiring.lines}
         takers |= {line.source for line in wiring.lines}
         for component, is_left, pin, point in self.ends:
-            net = net_of(point)
-            if wiring.nets[net].rail is not Rail.NONE or self._is_outside(component):
+            net = number[point]
+            if wiring.nets[net].rail is not Rail.NONE or net in (givers if is_left else takers):
                 continue
-            if is_left and net not in givers and not isinstance(component, Coil):
+            if self._is_outside(component):
+                continue
+            if is_left and not isinstance(component, Coil):
                 self.report('L0303', component, describe(component), end='left',
                             name=f'{component.id}{"." + pin if pin else ""}')
-            elif not is_left and net not in takers:
+            elif not is_left:
                 self.report('L0303', component, describe(component), end='right',
                             name=f'{component.id}{"." + pin if pin else ""}')
 
@@ -271,14 +368,14 @@ class _Analyser:
             self.found.append(problem(
                 'L0305', self.rung.location, 'lines alone join the rails',
                 reason='put a component into the line; this would be a short circuit'))
-        arcs: list[tuple[int, set[int], set[int], Component]] = [
-            (part.component.placement.x, {e.net for e in part.left}, {e.net for e in part.right},
+        arcs: list[tuple[int, list[int], list[int], Component]] = [
+            (part.component.placement.x, [e.net for e in part.left], [e.net for e in part.right],
              part.component) for part in wiring.parts]
-        arcs += [(line.component.placement.x, {line.source}, {line.target}, line.component)
+        arcs += [(line.component.placement.x, [line.source], [line.target], line.component)
                  for line in wiring.lines]
         for _, sources, targets, component in sorted(arcs, key=lambda arc: arc[0]):
-            if sources & powered:
-                powered |= targets
+            if not powered.isdisjoint(sources):
+                powered.update(targets)
             elif isinstance(component, Coil) and not self._is_outside(component):
                 self.report('L0306', component, describe(component), name=component.id)
         self._check_outputs(wiring, plain)

@@ -48,6 +48,7 @@ from ladder_ros.compiler.wiring import Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError, problem
 from ladder_ros.executable import Entry, Executable, LANES, Lanes, Scan, Slot, Variant
+from ladder_ros.garbage import collected_later
 from ladder_ros.model.program import Body, CallKind, Pou, Program, RunKind
 
 _T = TypeVar('_T')
@@ -81,6 +82,7 @@ class Compilation:
     code: InstructionList | None = None
 
 
+@collected_later()
 def compile_program(
     program: Program, *, backend: str = 'python', source_hash: str = '', stubs: bool = False,
 ) -> Compilation:
@@ -236,11 +238,13 @@ def build_trees(
 
     Inline composites are part of their users' rungs; ``inline`` asks for theirs too, to be shown.
     """
-    return {
-        pou_key(pou): [reduce_to_tree(aov, access_key(program, pou)) for aov in
-                       stages.graphs[pou_key(pou)]]
-        for pou in _pous(program)
-        if pou_key(pou) in stages.graphs and (inline or not _is_inline(pou))}
+    trees: dict[str, Sequence[Forest]] = {}
+    for pou in _pous(program):
+        key = pou_key(pou)
+        if key in stages.graphs and (inline or not _is_inline(pou)):
+            storage = access_key(program, pou)
+            trees[key] = [reduce_to_tree(aov, storage) for aov in stages.graphs[key]]
+    return trees
 
 
 def build_sequences(stages: Stages) -> dict[str, Sequence[Forest]]:

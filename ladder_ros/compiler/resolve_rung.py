@@ -36,6 +36,8 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 
 Report = Callable[..., None]
 
+_NOTHING = Resolved()
+
 
 @dataclass(slots=True, kw_only=True)
 class RungResolver:
@@ -46,15 +48,22 @@ class RungResolver:
     rung: Rung
     by_id: dict[str, Component]
     composites: dict[str, Composite]
+    contacts: dict[str, Resolved]
+    """What the POU's contacts refer to, by their operands."""
     function_types: dict[str, DataType | None] = field(default_factory=dict)
 
     def resolve(self, component: Component) -> Resolved | None:
         """Return what the component refers to, or None after reporting why that is impossible."""
         if isinstance(component, (Row, Column)):
-            return Resolved()
+            return _NOTHING
         if isinstance(component, Contact):
-            operand = self.operand(component.operand, component.location, DataType.BOOL)
-            return Resolved(operand=operand) if operand is not None else None
+            resolved = self.contacts.get(component.operand)
+            if resolved is None:
+                operand = self.operand(component.operand, component.location, DataType.BOOL)
+                if operand is None:
+                    return None
+                resolved = self.contacts[component.operand] = Resolved(operand=operand)
+            return resolved
         if isinstance(component, Coil):
             target = self.target(component.operand, component.location, DataType.BOOL)
             return Resolved(operand=target) if target is not None else None

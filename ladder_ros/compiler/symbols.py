@@ -178,7 +178,7 @@ def substitute(
 
     A parameter becomes what ``bindings`` (by casefolded name) says; anything else gets the prefix.
     """
-    if isinstance(operand, Literal):
+    if isinstance(operand, Literal) or not (prefix or bindings):
         return operand
     if isinstance(operand, Element):
         first = substitute(operand.first, prefix, bindings)

@@ -120,21 +120,28 @@ def children(tree: Tree) -> tuple[Tree, ...]:
 
 def post_order(tree: Tree) -> Iterator[Tree]:
     """Yield every node, each after its children, without recursion."""
-    pending: list[tuple[Tree, bool]] = [(tree, False)]
+    backwards: list[Tree] = []
+    pending = [tree]
     while pending:
-        node, is_done = pending.pop()
-        below = () if is_done else children(node)
-        if not below:
-            yield node
-            continue
-        pending.append((node, True))
-        pending.extend((child, False) for child in reversed(below))
+        node = pending.pop()
+        backwards.append(node)
+        if isinstance(node, (And, Or)):
+            pending += (node.left, node.right)
+        elif isinstance(node, Fork):
+            pending += node.branches
+    return reversed(backwards)
 
 
 def leaves(tree: Tree) -> Iterator[Leaf | Pin | Load | Save]:
     """Yield what is evaluated, in order."""
-    for node in post_order(tree):
-        if isinstance(node, (Leaf, Pin, Load, Save)):
+    pending = [tree]
+    while pending:
+        node = pending.pop()
+        if isinstance(node, (And, Or)):
+            pending += (node.right, node.left)
+        elif isinstance(node, Fork):
+            pending.extend(reversed(node.branches))
+        elif not isinstance(node, Wire):
             yield node
 
 

@@ -54,6 +54,10 @@ _SUFFIX = {
     ContactKind.NORMALLY_OPEN: '', ContactKind.NORMALLY_CLOSED: 'N', ContactKind.RISING: 'P',
     ContactKind.FALLING: 'F',
 }
+_CONTACT = {(base, kind): Op(base + suffix)
+            for base in ('LD', 'AND', 'OR') for kind, suffix in _SUFFIX.items()}
+_BARE = {op: Instruction(op=op)
+         for op in (Op.ANB, Op.ORB, Op.MPS, Op.MRD, Op.MPP, Op.LRD, Op.LPP, Op.DRP)}
 _STORE = {
     CoilKind.COIL: Op.ST, CoilKind.NEGATED: Op.STN, CoilKind.SET: Op.S, CoilKind.RESET: Op.R,
     CoilKind.RISING: Op.STP, CoilKind.FALLING: Op.STF,
@@ -65,14 +69,14 @@ def lower_to_il(forest: Forest) -> Network:
     lowering = _Lowering()
     for tree in forest.trees:
         if lowering.code:
-            lowering.code.append(Instruction(op=Op.DRP))
+            lowering.code.append(_BARE[Op.DRP])
         lowering.lower(tree)
     jumps = sorted((
         leaf.symbol for tree in forest.trees for leaf in leaves(tree)
         if isinstance(leaf, Leaf) and isinstance(leaf.symbol.component, Jump)),
         key=lambda symbol: symbol.id)
     if jumps:
-        lowering.code.append(Instruction(op=Op.DRP))
+        lowering.code.append(_BARE[Op.DRP])
     for symbol in jumps:
         lowering.code += _jump_instructions(symbol)
     return Network(rung=forest.rung, code=tuple(lowering.code), comment=forest.comment,
@@ -87,14 +91,14 @@ def _jump_instructions(symbol: SymbolVertex) -> list[Instruction]:
             Instruction(op=Op.JMP if label else Op.RET, label=label)]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class _Start:
     """To do: evaluate with the left rail's power, pushing the result."""
 
     tree: Tree
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class _Continue:
     """To do: evaluate with the current result as power, replacing it."""
 
@@ -126,7 +130,7 @@ class _Lowering:
             single = _contact_instruction(tree.right, 'OR')
             if single is not None:
                 return [_Start(tree.left), *_prelude(tree.right), single]
-            return [_Start(tree.left), _Start(tree.right), Instruction(op=Op.ORB)]
+            return [_Start(tree.left), _Start(tree.right), _BARE[Op.ORB]]
         if isinstance(tree, Load):
             return [Instruction(op=Op.LD, operand=temporary(tree.temporary))]
         single = _contact_instruction(tree, 'LD')
@@ -139,7 +143,7 @@ class _Lowering:
             return [_Continue(tree.left), _Continue(tree.right)]
         if isinstance(tree, Or):
             if self.conditions[id(tree)]:
-                return [_Start(tree), Instruction(op=Op.ANB)]
+                return [_Start(tree), _BARE[Op.ANB]]
             return self._parallel(tree)
         if isinstance(tree, Fork):
             return self._fork(tree)
@@ -166,24 +170,24 @@ class _Lowering:
         branches.append(left)
         branches.reverse()
         work: list[_Start | _Continue | Instruction] = [
-            Instruction(op=Op.MPS), _Continue(branches[0])]
+            _BARE[Op.MPS], _Continue(branches[0])]
         for branch in branches[1:]:
             load = Op.LPP if branch is branches[-1] else Op.LRD
-            work += [Instruction(op=load), _Continue(branch), Instruction(op=Op.ORB)]
+            work += [_BARE[load], _Continue(branch), _BARE[Op.ORB]]
         return work
 
     @staticmethod
     def _fork(tree: Fork) -> list[_Start | _Continue | Instruction]:
         work: list[_Start | _Continue | Instruction] = [
-            Instruction(op=Op.MPS), _Continue(tree.branches[0])]
+            _BARE[Op.MPS], _Continue(tree.branches[0])]
         last = len(tree.branches) - 1
         for index, branch in enumerate(tree.branches[1:], start=1):
             if tree.goes_on is not None and tree.goes_on < index:
                 # The power that goes on is on the stack already: work above it.
-                work += [Instruction(op=Op.LPP if index == last else Op.LRD), _Continue(branch),
-                         Instruction(op=Op.DRP)]
+                work += [_BARE[Op.LPP if index == last else Op.LRD], _Continue(branch),
+                         _BARE[Op.DRP]]
             else:
-                work += [Instruction(op=Op.MPP if index == last else Op.MRD), _Continue(branch)]
+                work += [_BARE[Op.MPP if index == last else Op.MRD], _Continue(branch)]
         return work
 
 
@@ -204,12 +208,14 @@ def _contact_instruction(tree: Tree, base: str) -> Instruction | None:
     """Return the one instruction for a contact, or None if the tree is something else."""
     if isinstance(tree, Pin):
         return Instruction(op=Op(base), operand=pin_operand(tree))
-    if not isinstance(tree, Leaf) or not isinstance(tree.symbol.component, Contact):
+    if not isinstance(tree, Leaf):
         return None
     symbol = tree.symbol
-    op = Op(base + _SUFFIX[tree.symbol.component.kind])
+    if not isinstance(symbol.component, Contact):
+        return None
     return Instruction(
-        op=op, operand=symbol.resolved.operand, memory=symbol.memory, component=symbol.path)
+        op=_CONTACT[base, symbol.component.kind], operand=symbol.resolved.operand,
+        memory=symbol.memory, component=symbol.path)
 
 
 def _prelude(tree: Tree) -> tuple[Instruction, ...]:

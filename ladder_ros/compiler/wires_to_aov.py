@@ -201,7 +201,7 @@ class _Builder:
             self.feeds += [(giver, number, pin) for giver in givers]
         if callee.kind is not None and not callee.is_function:
             self.enabled[component.id] = _Giver(joined=tuple(
-                giver for pin, givers in taken if pin == 'EN' for giver in givers
+                giver for pin, givers in taken if (pin or call.main) == 'EN' for giver in givers
             ) or (_Giver(symbol=-1),))
         if not any(pin == '' for pin, _ in taken):
             self.feeds.append((_Giver(symbol=-1), number, ''))

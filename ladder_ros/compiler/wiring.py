@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 from ladder_ros.model.component import (
@@ -28,6 +28,8 @@ class Rail(Enum):
     NONE = ''
     LEFT = 'left rail'
     RIGHT = 'right rail'
+
+    __hash__ = object.__hash__  # Enum's own is Python code
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,6 +97,8 @@ class Wiring:
     lines: tuple[Line, ...]
     series: tuple[tuple[str, str], ...] = ()
     parallel: tuple[tuple[str, str], ...] = ()
+    likeness: object = field(default=None, compare=False, repr=False)
+    """One object for all rungs that are drawn alike, but for names; None where that is unknown."""
 
     def __str__(self) -> str:
         return '\n'.join(self._print())

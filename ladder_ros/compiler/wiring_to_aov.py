@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 import heapq
 
 from ladder_ros.compiler.aov import Aov, Arc, SymbolVertex, VirtualVertex
@@ -29,6 +30,12 @@ from ladder_ros.model.component import (
 )
 from ladder_ros.model.types import DataType
 
+_ALIKE = 4096
+"""So many values that all rungs have alike are made once."""
+
+_DRAWINGS = 1024
+"""So many drawings are known again, in whichever rung: most rungs are drawn like others."""
+
 _Node = str | int
 """A part by its casefolded id, or a net by its number."""
 
@@ -45,17 +52,66 @@ def build_aov(
     return builder.run(), tuple(builder.found)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Plan:
+    """A graph without its components; ``order`` gives their places among the wiring's parts."""
+
+    order: tuple[int, ...]
+    virtuals: tuple[VirtualVertex, ...]
+    arcs: tuple[Arc, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Drawing:
+    """A wiring without direct data connections, which is like any other of its likeness."""
+
+    likeness: object
+    wiring: Wiring = field(compare=False)
+    resolved: Mapping[str, Resolved] = field(compare=False)
+
+
+@lru_cache(_DRAWINGS)
+def _known_plan(drawing: _Drawing) -> _Plan | None:
+    """Return the graph of wirings that are alike; None if something is wrong with it."""
+    builder = _Builder(wiring=drawing.wiring, resolved=drawing.resolved)
+    plan = builder.plan()
+    return None if builder.found else plan
+
+
+@lru_cache(_ALIKE)
+def _arc(source: int, target: int, source_pin: str, target_pin: str) -> Arc:
+    return Arc(source=source, target=target, source_pin=source_pin, target_pin=target_pin)
+
+
+@lru_cache(_ALIKE)
+def _virtual(id: int, column: int, first: int, last: int, rail: Rail) -> VirtualVertex:
+    return VirtualVertex(id=id, column=column, first=first, last=last, rail=rail)
+
+
 @dataclass(slots=True, kw_only=True)
 class _Builder:
     wiring: Wiring
     resolved: Mapping[str, Resolved]
     found: list[Diagnostic] = field(default_factory=list)
-    _order: list[Part] | None = None
     _wanted: set[str] | None = None
 
     def run(self) -> Aov:
         wiring = self.wiring
-        ids = {part.component.id: index for index, part in enumerate(self._ordered())}
+        plan = None
+        if wiring.likeness is not None and not any(
+                self.resolved[part.component.id.casefold()].sources for part in wiring.parts):
+            plan = _known_plan(_Drawing(
+                likeness=wiring.likeness, wiring=wiring, resolved=self.resolved))
+        plan = plan or self.plan()
+        symbols = tuple([
+            self._symbol(wiring.parts[place], number) for number, place in enumerate(plan.order)])
+        return Aov(rung=wiring.rung.id, comment=wiring.rung.comment, symbols=symbols,
+                   virtuals=plan.virtuals, arcs=plan.arcs)
+
+    def plan(self) -> _Plan:
+        wiring = self.wiring
+        order = self._topological()
+        ids = {part.component.id: index for index, part in enumerate(order)}
         givers: dict[int, list[tuple[int, str]]] = defaultdict(list)
         takers: dict[int, list[tuple[int, str]]] = defaultdict(list)
         for part in wiring.parts:
@@ -70,28 +126,27 @@ class _Builder:
             lines_out[line.source].append(line.target)
         virtual: dict[int, VirtualVertex] = {}
         for net in wiring.nets:
-            total_in = len(givers[net.index]) + len(lines_in[net.index])
-            total_out = len(takers[net.index]) + len(lines_out[net.index])
+            index = net.index
+            total_in = len(givers[index]) + len(lines_in[index])
+            total_out = len(takers[index]) + len(lines_out[index])
             if net.vertical or net.rail is not Rail.NONE or total_in > 1 or total_out > 1:
-                virtual[net.index] = VirtualVertex(
-                    id=len(ids) + len(virtual), column=net.x, first=net.first, last=net.last,
-                    rail=net.rail)
+                virtual[index] = _virtual(
+                    len(ids) + len(virtual), net.x, net.first, net.last, net.rail)
         arcs: list[Arc] = []
         for net in wiring.nets:
             sources = [(net.index, -1, '')] if net.index in virtual else []
             if sources:
                 own = virtual[net.index].id
-                arcs += [Arc(source=giver, source_pin=pin, target=own)
-                         for giver, pin in givers[net.index]]
+                arcs += [_arc(giver, own, pin, '') for giver, pin in givers[net.index]]
             else:
                 sources = [(net.index, giver, pin) for giver, pin in givers[net.index]]
             for start, giver, pin in sources:
                 source = giver if giver >= 0 else virtual[start].id
                 arcs += self._arcs_from(source, pin, start, virtual, takers, lines_out)
-        symbols = tuple(self._symbol(part, ids[part.component.id]) for part in self._ordered())
         arcs.sort(key=lambda arc: (arc.source, arc.target))
-        return Aov(rung=wiring.rung.id, comment=wiring.rung.comment, symbols=symbols,
-                   virtuals=tuple(virtual.values()), arcs=tuple(arcs))
+        place = {part.component.id: index for index, part in enumerate(wiring.parts)}
+        return _Plan(order=tuple(place[part.component.id] for part in order),
+                     virtuals=tuple(virtual.values()), arcs=tuple(arcs))
 
     @staticmethod
     def _arcs_from(
@@ -104,9 +159,9 @@ class _Builder:
         while pending:
             at = pending.pop()
             if at != net and at in virtual:
-                arcs.append(Arc(source=source, source_pin=pin, target=virtual[at].id))
+                arcs.append(_arc(source, virtual[at].id, pin, ''))
                 continue
-            arcs += [Arc(source=source, source_pin=pin, target=taker, target_pin=taker_pin)
+            arcs += [_arc(source, taker, pin, taker_pin)
                      for taker, taker_pin in takers.get(at, ())]
             pending += lines_out.get(at, ())
         return arcs
@@ -145,11 +200,6 @@ class _Builder:
             sources=resolved.sources, block=resolved.block)
 
     # -- order ----------------------------------------------------------------------------------
-
-    def _ordered(self) -> list[Part]:
-        if self._order is None:
-            self._order = self._topological()
-        return self._order
 
     def _topological(self) -> list[Part]:
         """Order parts by power flow and data connections, ties by (row, column, id)."""
@@ -190,7 +240,7 @@ class _Builder:
             after[line.source].append(line.target)
         for name, part in parts.items():
             after[name] += [end.net for end in part.right]
-            for net_index in {end.net for end in part.left}:
+            for net_index in dict.fromkeys([end.net for end in part.left]):
                 after[net_index].append(name)
         return after
 

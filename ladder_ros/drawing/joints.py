@@ -8,7 +8,8 @@ they are only looked at, and what meets nothing is named so that the picture can
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from ladder_ros.model.component import Block, Column, Component
@@ -86,6 +87,19 @@ def find_joints(components: Iterable[Component], rails: tuple[int, int]) -> Join
         loose_ends=frozenset(
             point for point, count in ends.items()
             if count == 1 and point not in joined and point[0] not in rails))
+
+
+def crossings(joints: Joints, rows: Sequence[int]) -> Iterator[Point]:
+    """Yield where a vertical passes a row, of those given in order, that it does not join."""
+    for vertical in joints.passing:
+        # The first row need not be a given one: a tall component's second row is not.
+        first, last = bisect_left(rows, vertical.first), bisect_right(rows, vertical.last)
+        for row in rows[first:last]:
+            point = (vertical.x, row)
+            joined = (row == vertical.first and point in joints.ends_up) or (
+                row == vertical.last and point in joints.ends_down)
+            if not joined:
+                yield point
 
 
 def rows_of(component: Component) -> tuple[int, int]:

@@ -112,7 +112,8 @@ def minimum_width(shape: Shape | None) -> int:
             return WIRE_WIDTH
         case Symbol():
             # Odd, so that the symbol, three characters wide, stands in the middle.
-            longest = max((text_width(line) for line in shape.label), default=0)
+            lines = (*shape.label, *shape.below)
+            longest = max((text_width(line) for line in lines), default=0)
             return max(SYMBOL_WIDTH, longest + 2) | 1
         case Box():
             areas = label_width(shape.left) + label_width(shape.right)
@@ -123,7 +124,7 @@ def minimum_width(shape: Shape | None) -> int:
 
 def label_width(pins: Iterable[Pin]) -> int:
     """Return the room beside a box: the longest label, the wire to its pin, and a blank."""
-    return 1 + max((text_width(pin.label) + 1 for pin in pins if pin.label), default=0)
+    return 1 + max((text_width(pin.outside) + 1 for pin in pins if pin.outside), default=0)
 
 
 def box_inner_width(box: Box) -> int:
@@ -131,6 +132,27 @@ def box_inner_width(box: Box) -> int:
     left = max((text_width(pin.name) for pin in box.left), default=0)
     right = max((text_width(pin.name) for pin in box.right), default=0)
     return max(left + 2 + right, text_width(box.type) + 2)
+
+
+def box_sides(box: Box, ends: tuple[int, int]) -> tuple[int, int]:
+    """Return where a box's frame stands between its two grid lines; labels are beside it."""
+    before, behind = label_width(box.left), label_width(box.right)
+    spare = ends[1] - ends[0] - 3 - before - behind - box_inner_width(box)
+    return ends[0] + 1 + before + spare // 2, ends[1] - 1 - behind - (spare - spare // 2)
+
+
+def title_start(box: Box, ends: tuple[int, int]) -> int:
+    """Return where a box's title starts: over its frame, but between its two grid lines."""
+    left, right = box_sides(box, ends)
+    width = text_width(box.title)
+    return max(ends[0] + 1, min(left + (right - left + 1 - width) // 2, ends[1] - width))
+
+
+def symbol_start(placed: Placed, layout: Layout) -> int:
+    """Return from where to its right grid line a symbol's room reaches."""
+    first = lines_of(placed.component)[0]
+    line, lead = layout.lead
+    return layout.columns[first] + 1 + (lead if first == line else 0)
 
 
 def _lay_out_rows(
@@ -146,13 +168,14 @@ def _lay_out_rows(
         above[first] = max(above[first], 0 if first == grid.rows[0] else 1)
         if isinstance(shape, Symbol):
             above[first] = max(above[first], len(shape.label))
+            below[first] = max(below[first], len(shape.below))
         elif isinstance(shape, Box):
             above[first] = max(above[first], 2 if shape.title else 1)
             ending.setdefault(last, []).append(index)
     for _, y in joints.loose_up:
         above[y] = max(above[y], 1)
     for _, y in joints.loose_down:
-        below[y] = 1
+        below[y] = max(below[y], 1)
     placed = [Placed(component=component, shape=shape) for component, shape in shapes]
     rows: dict[int, int] = {}
     line = 0

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import re
 
 from typing_extensions import assert_never
@@ -52,10 +52,11 @@ class Wire:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Symbol:
-    """A contact or coil: a picture in the wire with lines of text above."""
+    """A contact or coil: a picture in the wire, its name above, further facts ``below``."""
 
     picture: str
     label: tuple[str, ...]
+    below: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,12 +64,19 @@ class Pin:
     """A line of a box: the pin's name inside, what is connected outside.
 
     ``row`` counts from the box's first row; None where the pin may stand on any line.
+    ``value`` is the one that the pin has now.
     """
 
     name: str = ''
     label: str = ''
+    value: str = ''
     row: int | None = None
     data: bool = False
+
+    @property
+    def outside(self) -> str:
+        """What stands beside the box: what is connected, and the value."""
+        return ' = '.join(filter(None, (self.label, self.value)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,6 +94,17 @@ Shape = Wire | Symbol | Box
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Facts:
+    """What is known of variables besides their names: by casefolded name, values as text."""
+
+    addresses: Mapping[str, str] = field(default_factory=dict)
+    values: Mapping[str, str] = field(default_factory=dict)
+
+
+NO_FACTS = Facts()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ShapeContext:
     """What a component's look depends on besides itself.
 
@@ -96,6 +115,7 @@ class ShapeContext:
     glyphs: Glyphs
     composites: Mapping[str, Composite]
     referenced: frozenset[str] = frozenset()
+    facts: Facts = NO_FACTS
 
 
 def shape_of(component: Component, context: ShapeContext) -> Shape | None:
@@ -108,16 +128,20 @@ def shape_of(component: Component, context: ShapeContext) -> Shape | None:
         case Contact():
             left, right = context.glyphs.contact
             return Symbol(picture=f'{left}{_CONTACTS[component.kind]}{right}',
-                          label=_label(component.operand, context))
+                          label=_label(component.operand, context),
+                          below=_address(component.operand, context))
         case Coil():
             return Symbol(picture=f'({_COILS[component.kind]})',
-                          label=_label(component.operand, context))
+                          label=_label(component.operand, context),
+                          below=_address(component.operand, context))
         case Block():
             return _block(component, context)
         case Instance():
             return _instance(component, context)
         case InVariable() | OutVariable():
-            return Symbol(picture='───', label=_label(component.operand, context))
+            value = _value(component.operand, '', '', context)
+            return Symbol(picture='───', label=_label(component.operand, context),
+                          below=(value,) if value else ())
         case Jump():
             return Symbol(picture='/>>' if component.negated else ' >>',
                           label=_label(component.label or 'RETURN', context))
@@ -170,21 +194,39 @@ def _label(operand: str, context: ShapeContext) -> tuple[str, ...]:
     return wrapped(operand, context.glyphs)
 
 
-def _pin(name: str, argument: Argument | None, height: int, context: ShapeContext) -> Pin:
-    name = abbreviated(name, context.glyphs)
+def _address(operand: str, context: ShapeContext) -> tuple[str, ...]:
+    address = context.facts.addresses.get(operand.casefold(), '')
+    return (abbreviated(address, context.glyphs),) if address else ()
+
+
+def _value(operand: str, instance: str, pin: str, context: ShapeContext) -> str:
+    """Return the value of what is connected to a pin or, if that is not known, of the pin."""
+    values = context.facts.values
+    value = values.get(operand.casefold()) if operand else None
+    if value is None and instance:
+        value = values.get(f'{instance}.{pin}'.casefold())
+    return '' if value is None else abbreviated(value, context.glyphs)
+
+
+def _pin(
+    name: str, argument: Argument | None, owner: Block | Instance, context: ShapeContext,
+) -> Pin:
+    shown = abbreviated(name, context.glyphs)
     if argument is None:
-        return Pin(name=name)
+        return Pin(name=shown, value=_value('', owner.instance, name, context))
     if argument.row is not None:
         # A row that the box does not have can only be told, not drawn.
-        inside = 0 < argument.row < height
-        return Pin(name=name, row=argument.row) if inside else \
-            Pin(name=name, label=f'row {argument.row}')
-    return Pin(name=name, label=abbreviated(argument.operand or argument.source, context.glyphs),
+        inside = isinstance(owner, Block) and 0 < argument.row < owner.placement.height
+        return Pin(name=shown, row=argument.row) if inside else \
+            Pin(name=shown, label=f'row {argument.row}')
+    text = argument.operand or argument.source
+    return Pin(name=shown, label=abbreviated(text, context.glyphs),
+               value=_value(text, owner.instance, argument.pin, context),
                data=bool(argument.source))
 
 
 def _pins(
-    names: Iterable[str], arguments: Iterable[Argument], power: str, height: int,
+    names: Iterable[str], arguments: Iterable[Argument], power: str, owner: Block,
     context: ShapeContext,
 ) -> tuple[Pin, ...]:
     """Pair pins with what is connected to them; connections of unknown pins come last."""
@@ -197,10 +239,10 @@ def _pins(
         if name == power:
             pins.append(Pin(name=name, row=0))
         elif not here:
-            pins.append(_pin(name, None, height, context))
-        pins += [_pin(name, argument, height, context) for argument in here]
+            pins.append(_pin(name, None, owner, context))
+        pins += [_pin(name, argument, owner, context) for argument in here]
     unknown = [a for a in arguments if a.pin.casefold() not in known]
-    return (*pins, *(_pin(argument.pin, argument, height, context) for argument in unknown))
+    return (*pins, *(_pin(argument.pin, argument, owner, context) for argument in unknown))
 
 
 def _title(component: Block | Instance, context: ShapeContext) -> str:
@@ -213,13 +255,12 @@ def _title(component: Block | Instance, context: ShapeContext) -> str:
 def _block(block: Block, context: ShapeContext) -> Box:
     kind = CATALOGUE.get(block.type.upper()) or BlockKind(
         name=block.type, specification='', inputs=(), outputs=(), power_input='', power_output='')
-    height = block.placement.height
     return Box(
         title=_title(block, context), type=abbreviated(kind.name, context.glyphs),
         is_composite=False,
-        left=_pins((pin.name for pin in kind.inputs), block.inputs, kind.power_input, height,
+        left=_pins((pin.name for pin in kind.inputs), block.inputs, kind.power_input, block,
                    context),
-        right=_pins((pin.name for pin in kind.outputs), block.outputs, kind.power_output, height,
+        right=_pins((pin.name for pin in kind.outputs), block.outputs, kind.power_output, block,
                     context))
 
 
@@ -235,10 +276,10 @@ def _instance(instance: Instance, context: ShapeContext) -> Box:
         for parameter in composite.parameters:
             argument = bound.pop(parameter.name.casefold(), None)
             mark = context.glyphs.both if parameter.direction is Direction.INOUT else ''
-            pin = _pin(mark + parameter.name, argument, 0, context)
+            pin = _pin(mark + parameter.name, argument, instance, context)
             (right if parameter.direction is Direction.OUTPUT else left).append(pin)
     # What the composite does not have (or all, where it is not known) is shown nevertheless.
-    left += [_pin(argument.pin, argument, 0, context) for argument in instance.arguments
+    left += [_pin(argument.pin, argument, instance, context) for argument in instance.arguments
              if argument.pin.casefold() in bound]
     return Box(
         title=_title(instance, context), type=abbreviated(instance.composite, context.glyphs),

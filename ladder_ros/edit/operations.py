@@ -371,6 +371,8 @@ class _RungEditor:
             raise self.report('L0624', component, name=component.id, reason=(
                 f'power is led to or from its pin {pin}: delete that first'))
         sketch.remove(target)
+        if _ends_in_output(self.pou):
+            sketch.drop_idle_lines()
 
     def _set(self, edit: Set) -> Edited:
         known = {c.id.casefold(): c for c in self.rung.components}
@@ -405,6 +407,9 @@ class _RungEditor:
         if not _ends_in_output(self.pou):
             if not sketch.components:
                 raise self.report('L0624', name=edit.target, reason='the rung would be empty')
+            if sketch.is_shorted:
+                raise self.report('L0624', name=edit.target, reason=(
+                    'lines alone would join the rails'))
             return
         for vertex in sketch.last_components():
             component = sketch.components[vertex]

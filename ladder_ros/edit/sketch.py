@@ -224,7 +224,35 @@ class Sketch:
             self.links.append(link)
         self.links = list(dict.fromkeys(self.links))
 
+    def drop_idle_lines(self) -> None:
+        """Remove lines that alone join the rails; where no power leaves, they feed nothing."""
+        while True:
+            live = self._lines_at_left()
+            link = next((k for k in self.into(RIGHT) if k.source in live), None)
+            if link is None:
+                return
+            self.links.remove(link)
+            if link.source != LEFT and not self.out_of(link.source):
+                self.links = list(dict.fromkeys(
+                    replace(k, target=RIGHT) if k.target == link.source else k
+                    for k in self.links))
+
     # -- checking -------------------------------------------------------------------------------
+
+    @property
+    def is_shorted(self) -> bool:
+        """Whether lines alone join the rails."""
+        return RIGHT in self._lines_at_left()
+
+    def _lines_at_left(self) -> set[int]:
+        """Return the left rail and what lines alone join with it."""
+        found, pending = {LEFT}, [LEFT]
+        while pending:
+            for link in self.out_of(pending.pop()):
+                if link.target < 0 and link.target not in found:
+                    found.add(link.target)
+                    pending.append(link.target)
+        return found
 
     def last_components(self) -> Iterator[int]:
         """Yield the components whose power goes to the right rail, through lines alone."""

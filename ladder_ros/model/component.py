@@ -33,6 +33,8 @@ class Side(Enum):
     RIGHT = 'right'
     BOTH = 'both'
 
+    __hash__ = object.__hash__  # Enum's own is Python code
+
     @property
     def left(self) -> bool:
         """Whether the side joins at the left series end."""
@@ -52,6 +54,8 @@ class ContactKind(Enum):
     RISING = 'rising'
     FALLING = 'falling'
 
+    __hash__ = object.__hash__  # Enum's own is Python code
+
 
 class CoilKind(Enum):
     """IEC 61131-3, table 75: coils."""
@@ -62,6 +66,8 @@ class CoilKind(Enum):
     RESET = 'reset'
     RISING = 'rising'
     FALLING = 'falling'
+
+    __hash__ = object.__hash__  # Enum's own is Python code
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -221,6 +221,8 @@ class Program:
     tasks: tuple[Task, ...] = ()
     blocks: tuple[tuple[str, str], ...] = ()
     """Declared function block instances, (name, type), of an imported program."""
+    types: tuple[Type, ...] = ()
+    """Named data types, each after those that it is made of."""
     expressions: Mapping[str, Expression] = field(default_factory=dict)
     """Operands of imported drawings that are more than a name or a literal, by their text."""
     enumerations: Mapping[str, int] = field(default_factory=dict)

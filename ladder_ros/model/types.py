@@ -42,6 +42,8 @@ class DataType(Enum):
     TIME = 'TIME'
     STRING = 'STRING'
 
+    __hash__ = object.__hash__  # Enum's own is Python code, and types are looked up all the time
+
     def __str__(self) -> str:
         return self.value
 

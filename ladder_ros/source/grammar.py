@@ -51,7 +51,16 @@ HASH = re.compile(r'[0-9a-f]{16,64}')
 ADDRESS = re.compile(r'%[IQMiqm][XBWDLxbwdl]?[0-9]+(?:\.[0-9]+)*')
 """Directly represented variable (IEC 61131-3, 6.5.5)."""
 
+FOREIGN_NAME = re.compile(r'[^\W\d]\w*')
+"""What may be a name in a program that was drawn elsewhere: letters of any script, underscores."""
+POSITION = re.compile(r'-?[0-9]{1,9}')
+"""A position on the page of a drawing with wires."""
+PORT = re.compile(r'[A-Za-z0-9_\-]+(?:\..{1,128})?')
+"""An end of a wire: the id of an element, and the pin of a block."""
+
 COMPONENTS = ('contact', 'coil', 'row', 'column', 'block', 'instance')
+WIRED = ('contact', 'coil', 'block', 'instance', 'in', 'out', 'jump', 'label')
+"""What stands in a drawing with wires."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,29 +105,46 @@ _ROOT_EXTRAS = ('xmlns:xsi', 'xsi:noNamespaceSchemaLocation')
 
 RULES: Mapping[str, Rule] = {
     'ladder': Rule(
-        required=('version', 'name'), optional=_ROOT_EXTRAS,
-        children=(_SPECIFICATION, _many('use'), _one('composites'), _one('variables'),
-                  _one('tasks'), _many('body'))),
+        required=('version', 'name'), optional=('dialect', *_ROOT_EXTRAS),
+        children=(_SPECIFICATION, _many('use'), _one('types'), _one('composites'),
+                  _one('variables'), _one('tasks'), _many('body'))),
     'specification': Rule(),
     'use': Rule(required=('library', 'sha256')),
     'composites': Rule(children=(_many('composite'),)),
     'composite': Rule(
-        required=('name', 'call'), optional=('category',),
-        children=(_SPECIFICATION, _many('parameter'), _many('variable'), _many('rung'))),
+        required=('name', 'call'), optional=('category', 'unsupported'),
+        children=(_SPECIFICATION, _many('parameter'), _many('variable'), _many('external'),
+                  _many('rung', 'drawing'), _one('st'))),
     'parameter': Rule(
-        required=('name', 'type', 'direction'), optional=('default', 'comment')),
+        required=('name', 'type', 'direction'), optional=('default', 'comment'),
+        children=(_many('initial'),)),
     'composite/variable': Rule(
-        required=('name', 'type'), optional=('initial', 'retain', 'was', 'comment')),
+        required=('name', 'type'),
+        optional=('class', 'initial', 'constant', 'retain', 'at', 'was', 'comment'),
+        children=(_many('initial'),)),
+    'external': Rule(required=('name',)),
+    'initial': Rule(required=('part', 'value')),
     'variables': Rule(children=(_many('variable'),)),
     'variables/variable': Rule(
         required=('name', 'type'),
-        optional=('class', 'initial', 'retain', 'at', 'was', 'comment')),
+        optional=('class', 'initial', 'constant', 'retain', 'at', 'was', 'comment'),
+        children=(_many('initial'),)),
+    'types': Rule(children=(_many('structure', 'array', 'enumeration', 'subrange'),)),
+    'structure': Rule(required=('name',), children=(_many('field'),)),
+    'field': Rule(
+        required=('name', 'type'), optional=('initial',), children=(_many('initial'),)),
+    'array': Rule(required=('name', 'bounds', 'of')),
+    'enumeration': Rule(required=('name',), children=(_many('value'),)),
+    'value': Rule(required=('name', 'number')),
+    'subrange': Rule(required=('name', 'base', 'low', 'high')),
     'tasks': Rule(children=(_many('task'),)),
     'task': Rule(
         required=('name',),
         optional=('interval', 'priority', 'single', 'watchdog', 'sensitivity')),
     'body': Rule(
-        required=('name',), optional=('run', 'task', 'comment'), children=(_many('rung'),)),
+        required=('name',), optional=('run', 'task', 'comment', 'unsupported'),
+        children=(_many('rung', 'drawing'), _one('st'))),
+    'st': Rule(),
     'rung': Rule(
         required=('id', 'width'), optional=('comment',), children=(_many(*COMPONENTS),)),
     'contact': Rule(
@@ -145,5 +171,27 @@ RULES: Mapping[str, Rule] = {
         optional=('width', 'height', 'bind', 'was', *_SIDES, *_TEXTS),
         children=(_SPECIFICATION, _many('argument'))),
     'argument': Rule(required=('parameter',), optional=('operand', 'source')),
+    'drawing': Rule(
+        required=('id',), optional=('order', 'comment'), children=(_many(*WIRED, 'wire'),)),
+    'drawing/contact': Rule(
+        required=('id', 'x', 'y', 'operand'), optional=('width', 'height', 'kind', 'was')),
+    'drawing/coil': Rule(
+        required=('id', 'x', 'y', 'operand'), optional=('width', 'height', 'kind', 'was')),
+    'drawing/block': Rule(
+        required=('id', 'x', 'y', 'type'), optional=('width', 'height', 'instance', 'was'),
+        children=(_many('input', 'output'), _many('modifier'), _one('st'))),
+    'drawing/instance': Rule(
+        required=('id', 'x', 'y', 'composite'),
+        optional=('width', 'height', 'instance', 'was'), children=(_many('modifier'),)),
+    'drawing/input': Rule(required=('pin',)),
+    'drawing/output': Rule(required=('pin',)),
+    'modifier': Rule(required=('pin',), optional=('negated', 'edge')),
+    'in': Rule(required=('id', 'x', 'y', 'operand'), optional=('width', 'height', 'negated')),
+    'out': Rule(required=('id', 'x', 'y', 'operand'), optional=('width', 'height', 'negated')),
+    'jump': Rule(
+        required=('id', 'x', 'y'),
+        optional=('width', 'height', 'to', 'negated', 'at_once')),
+    'label': Rule(required=('id', 'x', 'y', 'label'), optional=('width', 'height')),
+    'wire': Rule(required=('to',), optional=('from',)),
 }
 """Every element by its name; where that is not enough, by ``parent/name``."""

@@ -8,14 +8,12 @@ same program, and writing that gives the same text, so that files compare line b
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-import re
-from typing import Union
 
 from typing_extensions import assert_never
 
-from ladder_ros.diagnostics import InternalError, Location
+from ladder_ros.diagnostics import InternalError
 from ladder_ros.model.component import (
     Argument,
     Block,
@@ -34,11 +32,24 @@ from ladder_ros.model.component import (
     Row,
     Side,
 )
-from ladder_ros.model.derived import initial_text, type_name
+from ladder_ros.model.derived import (
+    Array,
+    elementary,
+    Enumeration,
+    Initial,
+    initial_text,
+    leaves,
+    Structure,
+    Subrange,
+    Type,
+    type_name,
+)
 from ladder_ros.model.program import (
     Body,
+    CallKind,
     Composite,
     Parameter,
+    Pou,
     Program,
     Rung,
     RunKind,
@@ -46,20 +57,22 @@ from ladder_ros.model.program import (
     Variable,
     VariableClass,
 )
-from ladder_ros.model.types import format_time
-from ladder_ros.source.grammar import BINDING, MAX_ATTRIBUTE, VERSION
+from ladder_ros.model.st_printing import print_expression, print_statements
+from ladder_ros.model.types import DataType, format_literal, format_time
+from ladder_ros.source.drawing_to_xml import write_drawing
+from ladder_ros.source.grammar import ADDRESS, BINDING, MAX_ATTRIBUTE, VERSION
+from ladder_ros.source.named_types import with_named_types
+from ladder_ros.source.xml_lines import (
+    Attributes,
+    Content,
+    element,
+    Lines,
+    optional,
+    specification,
+    write_text,
+)
 
-_Attributes = list[tuple[str, str]]
-_Lines = Iterator[str]
-_Content = Union[_Lines, 'list[str]']
-
-_NOT_XML = re.compile('[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
-_ESCAPES = {
-    '&': '&amp;', '<': '&lt;', '>': '&gt;', '"': '&quot;', '\t': '&#9;', '\n': '&#10;',
-    '\r': '&#13;',
-}
-_IN_ATTRIBUTE = re.compile('[&<>"\t\n\r]')
-_IN_TEXT = re.compile('[&<>\r]')
+_OURS = (CallKind.INLINE, CallKind.ENABLED)
 
 
 def write_program(program: Program) -> str:
@@ -68,100 +81,177 @@ def write_program(program: Program) -> str:
     A program that was read can always be written.  Raises InternalError for a model that no file
     can express: characters that XML does not have, or a located variable in a composite.
     """
+    program = with_named_types(program)
     lines = ['<?xml version="1.0" encoding="UTF-8"?>']
-    lines += _element('ladder', [('version', VERSION), ('name', program.name)], _program(program))
+    attributes = [('version', VERSION), ('name', program.name)]
+    attributes += optional('dialect', program.dialect, 'native')
+    lines += element('ladder', attributes, _program(program))
     return '\n'.join(lines) + '\n'
 
 
-def _program(program: Program) -> _Lines:
-    yield from _specification(program.specification)
+def _program(program: Program) -> Lines:
+    texts = {text: print_expression(e) for text, e in program.expressions.items()}
+    yield from specification(program.specification)
     for use in program.uses:
-        yield from _element('use', [('library', use.library), ('sha256', use.sha256)], [])
+        yield from element('use', [('library', use.library), ('sha256', use.sha256)], [])
+    if program.types:
+        yield from element('types', [], (
+            line for type_ in program.types for line in _type(type_)))
     own = [composite for composite in program.composites if not composite.library]
     if own:
-        yield from _element('composites', [], (
-            line for composite in own for line in _composite(composite)))
-    if program.variables:
-        yield from _element('variables', [], (
-            line for variable in program.variables for line in _variable(variable)))
+        yield from element('composites', [], (
+            line for composite in own for line in _composite(composite, texts)))
+    variables = [
+        *(line for variable in program.variables if not is_located(variable)
+          for line in _variable(variable)), *_blocks(program.blocks)]
+    if variables:
+        yield from element('variables', [], variables)
     if program.tasks:
-        yield from _element('tasks', [], (
+        yield from element('tasks', [], (
             line for task in program.tasks for line in _task(task)))
     for body in program.bodies:
-        yield from _body(body)
+        yield from _body(body, texts)
 
 
-def _composite(composite: Composite) -> _Lines:
+def is_located(variable: Variable) -> bool:
+    """Say whether a variable is an address that a drawing uses directly: it declares itself."""
+    return bool(variable.address) and variable.name.upper() == variable.address.upper()
+
+
+def _type(type_: Type) -> Lines:
+    """Yield the declaration of a type that has a name."""
+    match type_:
+        case Structure():
+            yield from element('structure', [('name', type_.name)], (
+                line for part in type_.fields for line in element('field', [
+                    ('name', part.name), ('type', type_name(part.type)),
+                    *_initial('initial', part.type, part.initial)],
+                    _parts(part.type, part.initial))))
+        case Array():
+            bounds = ', '.join(f'{low}..{high}' for low, high in type_.bounds)
+            yield from element('array', [
+                ('name', type_.name), ('bounds', bounds), ('of', type_name(type_.element))], [])
+        case Enumeration():
+            yield from element('enumeration', [('name', type_.name)], (
+                line for name, number in type_.values
+                for line in element('value', [('name', name), ('number', str(number))], [])))
+        case Subrange():
+            yield from element('subrange', [
+                ('name', type_.name), ('base', type_.base.value), ('low', str(type_.low)),
+                ('high', str(type_.high))], [])
+        case DataType():
+            pass
+        case _:
+            assert_never(type_)
+
+
+def _initial(attribute: str, type_: Type, initial: Initial) -> Attributes:
+    """Return the attribute with a scalar's initial value, if it is not the type's own.
+
+    Compared as text: -0.0 equals 0.0, but is another value.
+    """
+    return optional(attribute, initial_text(type_, initial), initial_text(type_, None))
+
+
+def _parts(type_: Type, initial: Initial) -> Lines:
+    """Yield the initial values of the parts of an aggregate that are given."""
+    if not isinstance(initial, tuple) or elementary(type_) is not None:
+        return
+    given = dict(initial)
+    for suffix, leaf, _ in leaves(type_):
+        if suffix in given:
+            yield from element('initial', [
+                ('part', suffix), ('value', format_literal(given[suffix], leaf))], [])
+
+
+def _composite(composite: Composite, texts: Mapping[str, str]) -> Lines:
     attributes = [('name', composite.name), ('call', composite.call.value)]
-    attributes += _optional('category', composite.category)
-    yield from _element('composite', attributes, _composite_content(composite))
+    attributes += optional('category', composite.category)
+    attributes += optional('unsupported', composite.unsupported)
+    yield from element('composite', attributes, _composite_content(composite, texts))
 
 
-def _composite_content(composite: Composite) -> _Lines:
-    yield from _specification(composite.specification)
+def _composite_content(composite: Composite, texts: Mapping[str, str]) -> Lines:
+    yield from specification(composite.specification)
     for parameter in composite.parameters:
         yield from _parameter(parameter)
     for variable in composite.variables:
-        if variable.variable_class is not VariableClass.LOCAL or variable.address:
+        if composite.call in _OURS and (
+                variable.variable_class is not VariableClass.LOCAL or variable.address):
             raise InternalError(
                 'model_to_xml', f'{variable.name} in a composite has a class or an address',
                 variable.location)
         yield from _variable(variable)
-    for rung in composite.rungs:
-        yield from _rung(rung)
+    yield from _blocks(composite.blocks)
+    for name in composite.externals:
+        if not ADDRESS.fullmatch(name):
+            yield from element('external', [('name', name)], [])
+    yield from _parts_of(composite, texts)
 
 
-def _body(body: Body) -> _Lines:
+def _blocks(blocks: Sequence[tuple[str, str]]) -> Lines:
+    for name, type_ in blocks:
+        yield from element('variable', [('name', name), ('type', type_)], [])
+
+
+def _parts_of(pou: Pou, texts: Mapping[str, str]) -> Lines:
+    """Yield what a POU does: rungs, drawings, statements."""
+    for rung in pou.rungs:
+        yield from _rung(rung) if rung.wires is None else write_drawing(rung, texts)
+    if pou.statements:
+        yield from write_text('st', print_statements(pou.statements))
+
+
+def _body(body: Body, texts: Mapping[str, str]) -> Lines:
     attributes = [('name', body.name)]
-    attributes += _optional('run', body.run.value, RunKind.CYCLIC.value)
-    attributes += _optional('task', body.task)
-    attributes += _optional('comment', body.comment)
-    yield from _element('body', attributes, (
-        line for rung in body.rungs for line in _rung(rung)))
+    attributes += optional('run', body.run.value, RunKind.CYCLIC.value)
+    attributes += optional('task', body.task)
+    attributes += optional('comment', body.comment)
+    attributes += optional('unsupported', body.unsupported)
+    yield from element('body', attributes, _parts_of(body, texts))
 
 
-def _parameter(parameter: Parameter) -> _Lines:
+def _parameter(parameter: Parameter) -> Lines:
     attributes = [('name', parameter.name), ('type', type_name(parameter.type)),
                   ('direction', parameter.direction.value)]
-    if parameter.default is not None:
+    if parameter.default is not None and elementary(parameter.type) is not None:
         attributes.append(('default', initial_text(parameter.type, parameter.default)))
-    attributes += _optional('comment', parameter.comment)
-    yield from _element('parameter', attributes, [])
+    attributes += optional('comment', parameter.comment)
+    yield from element('parameter', attributes, _parts(parameter.type, parameter.default))
 
 
-def _variable(variable: Variable) -> _Lines:
+def _variable(variable: Variable) -> Lines:
     attributes = [('name', variable.name)]
-    attributes += _optional(
+    attributes += optional(
         'class', variable.variable_class.value, VariableClass.LOCAL.value)
     attributes.append(('type', type_name(variable.type)))
-    # Compared as text: -0.0 equals 0.0, but is another value.
-    attributes += _optional(
-        'initial', initial_text(variable.type, variable.initial),
-        initial_text(variable.type, None))
+    attributes += _initial('initial', variable.type, variable.initial)
+    if variable.constant:
+        attributes.append(('constant', 'true'))
     if variable.retain:
         attributes.append(('retain', 'true'))
-    attributes += _optional('at', variable.address)
-    attributes += _optional('was', ' '.join(variable.was))
-    attributes += _optional('comment', variable.comment)
-    yield from _element('variable', attributes, [])
+    attributes += optional('at', variable.address)
+    attributes += optional('was', ' '.join(variable.was))
+    attributes += optional('comment', variable.comment)
+    yield from element('variable', attributes, _parts(variable.type, variable.initial))
 
 
-def _task(task: Task) -> _Lines:
+def _task(task: Task) -> Lines:
     attributes = [('name', task.name)]
     if task.interval:
         attributes.append(('interval', format_time(task.interval)))
-    attributes += _optional('priority', str(task.priority), '0')
-    attributes += _optional('single', task.single)
+    attributes += optional('priority', str(task.priority), '0')
+    attributes += optional('single', task.single)
     if task.watchdog:
         attributes.append(('watchdog', format_time(task.watchdog)))
-    attributes += _optional('sensitivity', str(task.sensitivity), '1')
-    yield from _element('task', attributes, [])
+    attributes += optional('sensitivity', str(task.sensitivity), '1')
+    yield from element('task', attributes, [])
 
 
-def _rung(rung: Rung) -> _Lines:
+def _rung(rung: Rung) -> Lines:
     attributes = [('id', rung.id), ('width', str(rung.width))]
-    attributes += _optional('comment', rung.comment)
-    yield from _element('rung', attributes, (
+    attributes += optional('comment', rung.comment)
+    yield from element('rung', attributes, (
         line for component in rung.components for line in _component(component)))
 
 
@@ -169,23 +259,23 @@ def rung_text(rung: Rung) -> str:
     """Return a rung as it stands in a file, but for where its state was in earlier programs."""
     components = tuple(
         replace(component, was=())
-        if isinstance(component, (Contact, Coil, Block, Instance)) else component
+        if isinstance(component, (Contact, Coil, Block, Instance)) and component.was else component
         for component in rung.components)
     return '\n'.join(_rung(replace(rung, components=components)))
 
 
-def _component(component: Component) -> _Lines:
+def _component(component: Component) -> Lines:
     attributes = _placement(component.id, component.placement)
-    arguments: _Content = []
+    arguments: Content = []
     match component:
         case Contact(operand=operand, kind=contact_kind):
             tag = 'contact'
             attributes.append(('operand', operand))
-            attributes += _optional('kind', contact_kind.value, ContactKind.NORMALLY_OPEN.value)
+            attributes += optional('kind', contact_kind.value, ContactKind.NORMALLY_OPEN.value)
         case Coil(operand=operand, kind=coil_kind):
             tag = 'coil'
             attributes.append(('operand', operand))
-            attributes += _optional('kind', coil_kind.value, CoilKind.COIL.value)
+            attributes += optional('kind', coil_kind.value, CoilKind.COIL.value)
         case Row():
             tag = 'row'
         case Column():
@@ -193,7 +283,7 @@ def _component(component: Component) -> _Lines:
         case Block(type=type_, instance=instance):
             tag = 'block'
             attributes.append(('type', type_))
-            attributes += _optional('instance', instance)
+            attributes += optional('instance', instance)
             arguments = [
                 *(line for item in component.inputs for line in _argument('input', item)),
                 *(line for item in component.outputs for line in _argument('output', item))]
@@ -201,7 +291,7 @@ def _component(component: Component) -> _Lines:
             tag = 'instance'
             attributes += [('composite', composite), ('instance', instance)]
             bind = _bindings(component.arguments)
-            attributes += _optional('bind', bind)
+            attributes += optional('bind', bind)
             arguments = [] if bind else [
                 line for item in component.arguments for line in _argument('argument', item)]
         case InVariable() | OutVariable() | Jump() | Label():
@@ -209,24 +299,24 @@ def _component(component: Component) -> _Lines:
         case _:
             assert_never(component)
     if isinstance(component, (Contact, Coil, Block, Instance)):
-        attributes += _optional('was', ' '.join(component.was))
+        attributes += optional('was', ' '.join(component.was))
     attributes += _sides(component.placement)
-    attributes += _optional('name', component.name)
-    attributes += _optional('comment', component.comment)
-    yield from _element(tag, attributes, [*_specification(component.specification), *arguments])
+    attributes += optional('name', component.name)
+    attributes += optional('comment', component.comment)
+    yield from element(tag, attributes, [*specification(component.specification), *arguments])
 
 
-def _placement(identifier: str, placement: Placement) -> _Attributes:
+def _placement(identifier: str, placement: Placement) -> Attributes:
     attributes = [('id', identifier), ('x', str(placement.x)), ('y', str(placement.y))]
     if placement.width > 1:
         attributes.append(('width', str(placement.width)))
-    attributes += _optional('height', str(placement.height), '1')
+    attributes += optional('height', str(placement.height), '1')
     return attributes
 
 
-def _sides(placement: Placement) -> _Attributes:
-    return [*_optional('up', placement.up.value, Side.NONE.value),
-            *_optional('down', placement.down.value, Side.NONE.value)]
+def _sides(placement: Placement) -> Attributes:
+    return [*optional('up', placement.up.value, Side.NONE.value),
+            *optional('down', placement.down.value, Side.NONE.value)]
 
 
 def _bindings(arguments: tuple[Argument, ...]) -> str:
@@ -237,46 +327,10 @@ def _bindings(arguments: tuple[Argument, ...]) -> str:
     return text if is_short else ''
 
 
-def _argument(tag: str, argument: Argument) -> _Lines:
+def _argument(tag: str, argument: Argument) -> Lines:
     attributes = [('parameter' if tag == 'argument' else 'pin', argument.pin)]
-    attributes += _optional('operand', argument.operand)
-    attributes += _optional('source', argument.source)
+    attributes += optional('operand', argument.operand)
+    attributes += optional('source', argument.source)
     if argument.row is not None:
         attributes.append(('row', str(argument.row)))
-    yield from _element(tag, attributes, [])
-
-
-def _optional(name: str, value: str, default: str = '') -> _Attributes:
-    return [] if value == default else [(name, value)]
-
-
-def _specification(text: str) -> _Lines:
-    """Yield prose: one line beside its tags, several between them."""
-    if not text:
-        return
-    lines = _escape(text, _IN_TEXT).split('\n')
-    if len(lines) == 1:
-        yield f'<specification>{lines[0]}</specification>'
-        return
-    yield '<specification>'
-    yield from (f'  {line}' if line else '' for line in lines)
-    yield '</specification>'
-
-
-def _element(tag: str, attributes: _Attributes, content: _Content) -> _Lines:
-    start = tag + ''.join(
-        f' {name}="{_escape(value, _IN_ATTRIBUTE)}"' for name, value in attributes)
-    is_empty = True
-    for line in content:
-        if is_empty:
-            yield f'<{start}>'
-            is_empty = False
-        yield f'  {line}' if line else ''
-    yield f'<{start}/>' if is_empty else f'</{tag}>'
-
-
-def _escape(text: str, special: re.Pattern[str]) -> str:
-    if bad := _NOT_XML.search(text):
-        raise InternalError(
-            'model_to_xml', f'XML has no character U+{ord(bad.group()):04X}', Location())
-    return special.sub(lambda match: _ESCAPES[match.group()], text)
+    yield from element(tag, attributes, [])

@@ -350,7 +350,8 @@ class _Importer:
         return Program(
             name=self.name(), bodies=tuple(bodies), composites=tuple(composites),
             variables=(*variables, *self.operands.located.values()), tasks=schedule.tasks,
-            blocks=tuple(blocks), expressions=dict(self.operands.expressions),
+            blocks=tuple(blocks), types=types.declared_types,
+            expressions=dict(self.operands.expressions),
             enumerations=dict(types.enumerations), dialect=self.project.dialect, location=place)
 
     def only_run(self, schedule: Schedule) -> Run | None:

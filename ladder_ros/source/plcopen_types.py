@@ -98,6 +98,14 @@ class Types:
                         'L0135', element, type=element.attributes.get('name', ''),
                         reason=found.reason)
 
+    @property
+    def declared_types(self) -> tuple[Type, ...]:
+        """The derived types that have names, each after those that it is made of."""
+        return tuple(
+            found.type for found in self._found.values()
+            if isinstance(found, Typed) and not isinstance(found.type, DataType)
+            and found.type.name)
+
     def size(self, type_: Type) -> int:
         """Return how many elementary values a type consists of."""
         return self._measure(type_)[0]

@@ -9,6 +9,7 @@ import os
 from pathlib import Path
 
 from ladder_ros.diagnostics import LadderError, Location, problem
+from ladder_ros.garbage import collected_later
 from ladder_ros.model.program import Program
 from ladder_ros.source.import_options import import_options, with_options
 from ladder_ros.source.libraries import with_libraries
@@ -33,6 +34,7 @@ def read_any(path: str | os.PathLike[str]) -> Program:
     return parse_any(read_file(name), name)
 
 
+@collected_later()
 def parse_any(data: bytes, file: str = '') -> Program:
     """Read a program from the bytes of an XML file; ``file`` is its name in locations."""
     if is_st(data):

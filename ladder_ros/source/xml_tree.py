@@ -28,6 +28,8 @@ MAX_TEXT = 65_536
 MAX_DIAGNOSTICS = 100
 
 _XML_SPACE = ' \t\r\n'
+_PROSE = ('specification', 'st')
+"""Elements of our own files that hold text."""
 _SEPARATOR = ' '
 """Between a namespace and a local name; no namespace that expat passes on has a blank."""
 _ENCODINGS = {
@@ -307,7 +309,7 @@ class _Builder:
 
     def characters(self, text: str) -> None:
         element = self.reading.open[-1]
-        if element.tag == 'specification':
+        if element.tag in _PROSE:
             self.text_length += len(text)
             if self.text_length > MAX_TEXT:
                 raise self.reading.stop('characters of text', MAX_TEXT)

@@ -10,6 +10,7 @@ import random
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.power_flow import Reference
+from support.random_blocks import block_case
 from support.random_rungs import (
     BOOL,
     Case,
@@ -22,7 +23,7 @@ from support.random_rungs import (
 
 from compiler.agreement import assert_agreement, assert_same, executable, Machine, QUICK
 from compiler.mutations import mutated_cases
-from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.pipeline import BACKENDS, check_program
 from ladder_ros.diagnostics import has_errors
 from ladder_ros.executable import SlotClass
 from ladder_ros.model.component import Argument, Block, Coil, Contact, Instance, Placement
@@ -58,6 +59,19 @@ def test_backends_when_rung_has_contacts_and_coils_then_agree_with_the_drawing(
 @settings(max_examples=100)
 def test_backends_when_rung_has_blocks_then_agree_with_the_drawing(case: Case) -> None:
     assert_agreement(case)
+
+
+@given(st.integers(min_value=0, max_value=10**9))
+@settings(max_examples=40)
+def test_backends_when_program_has_any_blocks_of_any_types_then_agree(seed: int) -> None:
+    case = block_case(random.Random(seed))
+    machines = [Machine(case.program, backend, observed=observed)
+                for backend in BACKENDS for observed in (False, True)]
+    for now, written in case.scans:
+        for machine in machines:
+            machine.scan(now, **written)
+        for machine in machines[1:]:
+            assert_same(machine.variables(), machines[0].variables(), machine.label)
 
 
 @given(cases())

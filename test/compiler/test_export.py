@@ -13,18 +13,23 @@ from unittest import mock
 
 from hypothesis import given, HealthCheck, settings
 from hypothesis import strategies as st
+from lxml import etree
 import pytest
 from support import random_rungs
 from support.plcopen import element, ladder, read
+from support.random_blocks import block_case
 from support.random_rungs import Case, random_case, Wishes
 
 from compiler.agreement import assert_same, Machine
 from ladder_ros.compiler.program_to_plcopen import write_plcopen
 from ladder_ros.compiler.program_to_st import write_st
+from ladder_ros.compiler.program_to_xml import write_xml
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import SlotClass
 from ladder_ros.model.program import Program, RunKind
 from ladder_ros.model.types import DataType, Value
+from ladder_ros.source import SCHEMA
+from ladder_ros.source.model_to_xml import write_program
 from ladder_ros.source.plcopen_to_model import parse_project
 from ladder_ros.source.read_any import read_any
 from ladder_ros.source.st_to_model import parse_st
@@ -39,6 +44,7 @@ Form = tuple[Callable[[Program], str], Callable[[bytes, str], Program]]
 FORMS: dict[str, Form] = {
     'plcopen': (write_plcopen, parse_project),
     'st': (write_st, parse_st),
+    'xml': (write_xml, parse_program),
 }
 BLOCKS = ('TON', 'TOF', 'TP', 'CTU', 'CTD', 'CTUD', 'R_TRIG', 'F_TRIG', 'SR', 'RS')
 FUNCTIONS = ('ADD', 'SUB', 'MUL', 'DIV', 'MOD', 'MOVE', 'GT', 'GE', 'EQ', 'LE', 'LT', 'NE', 'MAX',
@@ -126,6 +132,19 @@ def test_imported_when_exported_and_read_back_then_runs_the_same(path: Path, for
     assert_same_runs(program, there_and_back(program, form))
 
 
+@pytest.mark.parametrize('path', IMPORTED, ids=lambda path: path.stem)
+def test_imported_when_kept_as_our_own_file_then_plcopen_of_it_runs_the_same(path: Path) -> None:
+    program = read_any(path)
+    assert_same_runs(program, there_and_back(there_and_back(program, 'xml'), 'plcopen'))
+
+
+@pytest.mark.parametrize('path', IMPORTED, ids=lambda path: path.stem)
+def test_imported_when_written_as_our_own_file_then_text_is_canonical(path: Path) -> None:
+    text = write_xml(read_any(path))
+    assert write_program(parse_program(text.encode())) == text
+    etree.XMLSchema(etree.parse(str(SCHEMA))).assertValid(etree.fromstring(text.encode()))
+
+
 @pytest.mark.parametrize('form', FORMS)
 @given(st.integers(min_value=0, max_value=10**9))
 @settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
@@ -142,6 +161,15 @@ def test_random_program_when_exported_and_read_back_then_runs_the_same(
             assert [d.code for d in error.diagnostics] == ['L0511']
             return
     assert_same_history(case, form)
+
+
+@pytest.mark.parametrize('form', FORMS)
+@given(st.integers(min_value=0, max_value=10**9))
+@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+def test_program_of_any_blocks_when_exported_and_read_back_then_runs_the_same(
+    form: str, seed: int,
+) -> None:
+    assert_same_history(block_case(Random(seed)), form)
 
 
 def test_st_when_names_are_keywords_then_others_are_taken() -> None:

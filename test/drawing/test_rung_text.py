@@ -28,7 +28,8 @@ from hypothesis import example, given, settings
 import pytest
 
 from ladder_ros.drawing.canvas import text_width
-from ladder_ros.drawing.rung_text import draw_program, draw_rung, MAX_CELLS, Style
+from ladder_ros.drawing.rung_text import draw_program, draw_rung, Style
+from ladder_ros.drawing.sketch import MAX_CELLS
 from ladder_ros.model.component import Block, Coil, Contact, Instance
 from ladder_ros.model.program import Body, CallKind, Program, Rung, RunKind, Variable
 from ladder_ros.model.types import DataType

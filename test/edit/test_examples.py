@@ -141,6 +141,33 @@ def test_power_pin_when_nothing_leads_to_it_any_more_then_it_is_a_data_pin_again
     assert [argument.pin for argument in block.inputs] == ['PV']
 
 
+def forked(call: str) -> Program:
+    """Return a composite whose contact leads to a mere line and to another branch."""
+    return parse_program(f"""
+        <ladder version="1" name="forked"><composites><composite name="Fork" call="{call}">
+          <parameter name="p" direction="input" type="BOOL"/>
+          <variable name="kept" type="BOOL"/>
+          <rung id="1" width="3">
+            <contact id="c1" x="0" y="0" operand="p" down="right"/>
+            <row id="r1" x="1" y="0" width="2"/>
+            <contact id="c2" x="1" y="1" operand="p" up="left"/>
+            <coil id="k1" x="2" y="1" operand="kept"/>
+          </rung>
+        </composite></composites>
+        <body name="main"/></ladder>""".encode(), 'forked.xml')
+
+
+def test_component_when_deleted_from_before_a_line_that_feeds_nothing_then_the_line_goes() -> None:
+    edit = Delete(pou='Fork', rung='1', target='c1')
+    assert [c.id for c in rung_of(apply_edit(forked('enabled'), edit)).components] == ['c2', 'k1']
+
+
+def test_component_when_all_that_keeps_the_rails_apart_then_it_is_not_deleted() -> None:
+    code, message = refusal(forked('inline'), Delete(pou='Fork', rung='1', target='c1'))
+    assert code == 'L0624'
+    assert 'lines alone would join the rails' in message
+
+
 @pytest.mark.parametrize(('edit', 'code'), [
     (AddSeries(pou='other', rung='1', target='c1', part=contact()), 'L0621'),
     (AddSeries(pou='main', rung='3', target='c1', part=contact()), 'L0621'),

@@ -22,7 +22,8 @@ from ladder_ros.model.program import (
 )
 from ladder_ros.model.types import DataType
 from ladder_ros.source.model_to_xml import write_program
-from ladder_ros.source.xml_to_model import normalise_prose, parse_program
+from ladder_ros.source.xml_form import normalise_prose
+from ladder_ros.source.xml_to_model import parse_program
 
 
 def program_of(*components: Contact, **changes: object) -> Program:

@@ -1,0 +1,135 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Where the time and the memory go between a program's file and its first scan.
+
+Usage: python benchmarks/stage_time.py [--repeat N] [--no-memory] [RUNGS ...]
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+import gc
+import time
+import tracemalloc
+from unittest.mock import patch
+
+from synthetic import flat_plant, program_of
+
+from ladder_ros.compiler import pipeline
+from ladder_ros.executable import Variant
+from ladder_ros.source.model_to_xml import write_program
+from ladder_ros.source.read_any import parse_any
+
+SIZES = (10, 100, 1000, 10_000)
+STAGES: Mapping[str, tuple[str, ...]] = {
+    'resolve': ('resolve_symbols',),
+    'connect': ('analyse_connections',),
+    'graph': ('build_aov', 'expand_inline'),
+    'reduce': ('reduce_to_tree',),
+    'lower': ('lower_to_il',),
+    'link': ('link_code', 'list_components'),
+    'verify': ('verify_il', 'check_size', 'check_coils'),
+    'lay out': ('lay_out',),
+    'inventory': ('list_rungs', 'list_tasks', 'list_routines'),
+}
+"""The functions of each stage, by the names under which the pipeline calls them."""
+
+TARGETS = {1000: 0.3, 10_000: 3.0}
+"""Seconds from the file to the first scan, by rungs."""
+
+MOST_COMPILING = 10.0
+"""KiB a rung that may be needed at most while compiling."""
+
+
+class Clock:
+    """Adds up the time that is spent in a function."""
+
+    def __init__(self, function: Callable[..., object]) -> None:
+        """Measure a function, which is called in its place."""
+        self.function = function
+        self.seconds = 0.0
+
+    def __call__(self, *args: object, **named: object) -> object:
+        """Call it."""
+        start = time.perf_counter()
+        try:
+            return self.function(*args, **named)
+        finally:
+            self.seconds += time.perf_counter() - start
+
+
+def once(data: bytes) -> dict[str, float]:
+    """Return the seconds from a file to a scan, the clocks of the stages off."""
+    start = time.perf_counter()
+    program = parse_any(data, 'plant.xml')
+    read = time.perf_counter()
+    executable = pipeline.compile_program(program).executable
+    compiled = time.perf_counter()
+    scans = executable.build(Variant())
+    scans['main'](executable.initial_state(), 0, None)
+    end = time.perf_counter()
+    return {'read': read - start, 'compile': compiled - read, 'emit': end - compiled,
+            'all': end - start}
+
+
+def stages(data: bytes) -> dict[str, float]:
+    """Return the seconds spent in each stage of the pipeline."""
+    program = parse_any(data, 'plant.xml')
+    clocks = {name: Clock(getattr(pipeline, name)) for names in STAGES.values() for name in names}
+    with ExitStack() as stack:
+        for name, clock in clocks.items():
+            stack.enter_context(patch.object(pipeline, name, clock))
+        pipeline.compile_program(program)
+    return {stage: sum(clocks[name].seconds for name in names)
+            for stage, names in STAGES.items()}
+
+
+def memory(data: bytes) -> tuple[float, float]:
+    """Return the bytes needed at most from file to executable, and those kept by that."""
+    gc.collect()
+    tracemalloc.start()
+    try:
+        executable = pipeline.compile_program(parse_any(data, 'plant.xml')).executable
+        executable.build(Variant())
+        gc.collect()
+        kept, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    return peak, kept
+
+
+def main() -> None:
+    """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument('rungs', nargs='*', type=int, default=SIZES, help='sizes of the program')
+    parser.add_argument('--repeat', type=int, default=3, help='runs of which the best counts')
+    parser.add_argument('--no-memory', action='store_true', help='measure time alone')
+    options = parser.parse_args()
+    parts = ['read', 'compile', 'emit']
+    print('us per rung, the best of', options.repeat)
+    print(f'{"rungs":>7} ' + ' '.join(f'{name:>9}' for name in (*parts, *STAGES))
+          + '   file to first scan')
+    for count in options.rungs:
+        data = write_program(program_of(flat_plant(count))).encode()
+        once(data)
+        runs = [once(data) for _ in range(options.repeat)]
+        inside = [stages(data) for _ in range(options.repeat)]
+        best = {name: min(run[name] for run in runs) for name in (*parts, 'all')}
+        best |= {name: min(run[name] for run in inside) for name in STAGES}
+        target = TARGETS.get(count)
+        verdict = '' if target is None else (
+            f', target {target:g} s: {"met" if best["all"] <= target else "missed"}')
+        print(f'{count:7} ' + ' '.join(
+            f'{best[name] / count * 1e6:9.1f}' for name in (*parts, *STAGES))
+            + f'   {best["all"]:.3f} s{verdict}', flush=True)
+        if not options.no_memory:
+            peak, kept = (amount / count / 1024 for amount in memory(data))
+            print(f'{"":7} memory a rung: {peak:.1f} KiB at most, target {MOST_COMPILING:g} KiB: '
+                  f'{"met" if peak <= MOST_COMPILING else "missed"}; {kept:.1f} KiB kept by the '
+                  'executable and what it can be built from again', flush=True)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,98 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""The facade for looking at program files: drawings as text and SVG, a report as HTML.
+
+Nothing here writes a file.  Mistakes of the user raise
+:class:`~ladder_ros.diagnostics.LadderError`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+import csv
+from dataclasses import replace
+import json
+import os
+
+from ladder_ros.compiler.dump import require_pou, with_drawings
+from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.drawing.program_svg import program_svg, ProgramStyle
+from ladder_ros.drawing.rung_text import draw_program, Style
+from ladder_ros.drawing.sketch import chosen_pous
+from ladder_ros.model.program import Program
+from ladder_ros.source.read_any import read_any
+from ladder_ros.source.xml_tree import read_file
+
+__all__ = ['as_svg', 'as_text']
+
+
+def as_text(
+    path: str | os.PathLike[str], pou: str | None = None, rung: str | None = None, *,
+    ascii_only: bool = False, grid: bool = False,
+) -> str:
+    """Return the drawings of a program's rungs, or of one POU's, or one of them, as text.
+
+    ``grid`` numbers the cells.  Raises LadderError (L0509, L0512).
+    """
+    program = _drawn(path, pou, rung)
+    return draw_program(program, pou, Style(ascii_only=ascii_only, grid=grid), rung=rung)
+
+
+def as_svg(
+    path: str | os.PathLike[str], pou: str | None = None, rung: str | None = None, *,
+    grid: bool = False, values: str | os.PathLike[str] | None = None,
+) -> str:
+    """Return the drawings as an SVG file.
+
+    ``values`` is a file of values that colour the power flow: a message of ``~/monitor``, a JSON
+    object, or a CSV table of which the last row counts.  Raises LadderError (L0509, L0512, L0513).
+    """
+    style = ProgramStyle() if values is None else read_values(values)
+    return program_svg(_drawn(path, pou, rung), pou, rung, replace(style, grid=grid))
+
+
+def _drawn(path: str | os.PathLike[str], pou: str | None, rung: str | None) -> Program:
+    program = read_any(path)
+    require_pou(program, pou)
+    program = with_drawings(program)
+    if rung is not None:
+        known = list(dict.fromkeys(
+            one.id for part in chosen_pous(program, pou) for one in part.rungs))
+        if rung not in known:
+            raise LadderError.of('L0512', program.location, name=rung, place=pou or program.name,
+                                 known=', '.join(known) or 'none')
+    return program
+
+
+def read_values(path: str | os.PathLike[str]) -> ProgramStyle:
+    """Read values, and the power flow if it is there.  Raises LadderError L0513."""
+    file = os.fspath(path)
+    try:
+        text = read_file(file).decode('utf-8-sig')
+        if text.lstrip().startswith('{'):
+            # What `ros2 topic echo` prints goes on after the document.
+            return _from_json(json.JSONDecoder().raw_decode(text.lstrip())[0])
+        rows = list(csv.reader(text.splitlines()))
+        if len(rows) < 2:
+            raise ValueError('a table has a row of names and rows of values')
+        return ProgramStyle(values=_texts(dict(zip(rows[0], rows[-1]))))  # noqa: B905
+    except (ValueError, TypeError, AttributeError, RecursionError, csv.Error) as error:
+        raise LadderError.of('L0513', Location(file=file), reason=error) from None
+
+
+def _from_json(found: Mapping[str, object]) -> ProgramStyle:
+    """Read a message of ``~/monitor``, or an object that has only the values."""
+    values, power = found.get('values'), found.get('power')
+    if not isinstance(values, dict):
+        return ProgramStyle(values=_texts(found))
+    if not isinstance(power, dict):
+        return ProgramStyle(values=_texts(values))
+    return ProgramStyle(values=_texts(values), power={str(found.get('pou', '')).casefold(): {
+        str(rung): {str(name): bool(on) for name, on in components.items()}
+        for rung, components in power.items()}})
+
+
+def _texts(values: Mapping[str, object]) -> dict[str, str]:
+    """Return values as text by casefolded name."""
+    return {name.casefold(): str(value) for name, value in values.items()
+            if isinstance(value, (bool, int, float, str))}
