@@ -2,20 +2,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """The peer of the benchmarks: a plant as C, in MatIEC's style and as an expert would write it.
 
-MatIEC's style: a variable is a structure of a value and flags, each write looks at the force flag,
-each rung is one expression with operators that stop early, and a timer is a function of its
+MatIEC's style: a variable is a structure of a value and flags, each write looks at the force
+flag; inputs and outputs are located, so that they are pointers, and each read looks at the flag
+too; each rung is one expression with operators that stop early, and a timer is a function of its
 structure.  The expert's: a byte a variable, and operators without branches.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence, Set
 import ctypes
 from pathlib import Path
+import re
 import shutil
 import subprocess
 
-from synthetic import Plant, Spec
+from support.plants import Plant, Spec, STATION_OUTPUTS
 
 _RUNGS = 250
 """Rungs in a C function."""
@@ -30,8 +32,11 @@ extern TIME now;
 
 _MATIEC = _COMMON + """
 typedef struct { BOOL value; uint8_t flags; } V;
+typedef struct { BOOL *value; uint8_t flags; BOOL forced; } L;
 #define GET(x) ((x).value)
 #define SET(x, e) do { if (!((x).flags & 2)) (x).value = (e); } while (0)
+#define GET_LOCATED(x) (((x).flags & 2) ? (x).forced : *(x).value)
+#define SET_LOCATED(x, e) do { if (!((x).flags & 2)) *(x).value = (e); } while (0)
 typedef struct { V EN, ENO, IN; TIME PT; V Q; TIME ET; int8_t STATE; V PREV; TIME START; } TON;
 static void ton(TON *d) {
   if (GET(d->EN)) { SET(d->ENO, 1); } else { SET(d->ENO, 0); return; }
@@ -75,6 +80,9 @@ static inline void ctu(CTU *d, BOOL cu, BOOL r, INT pv) {
   d->PREV = cu;
 }
 """
+
+_ACCESS = re.compile(r'\b(GET|SET)\((\w+)')
+_VARIABLE = re.compile(r'\b((?:b_)?[kxmqi]\d+(?:_\d+)?|common)\b')
 
 STYLES = {'matiec': _MATIEC, 'expert': _EXPERT}
 
@@ -131,11 +139,19 @@ def _expert_rung(spec: Spec) -> str:
             return f'ctu(&{b}, {power}, {spec.reset}, {spec.preset}); {spec.target} = {b}.Q;'
 
 
+def _outputs(plant: Plant) -> set[str]:
+    """Return the names of a plant's outputs."""
+    if plant.stations:
+        return {f'q{number}_{k}' for k in range(plant.stations)
+                for number in range(STATION_OUTPUTS)}
+    return {spec.target for spec in plant.rungs[::10]}
+
+
 class CPeer:
     """A plant compiled by gcc and loaded: ``inputs`` are written by :meth:`write`."""
 
     def __init__(self, plant: Plant, style: str, folder: Path, flags: str = '-O2') -> None:
-        """Generate, compile and load it; ``seconds`` are gcc's, by the caller's clock."""
+        """Generate, compile and load it."""
         folder.mkdir(parents=True, exist_ok=True)
         specs = list(_flat(plant))
         outputs = [spec.target for spec in specs]
@@ -143,13 +159,14 @@ class CPeer:
         blocks = [(spec.kind.upper(), f'b_{spec.target}') for spec in specs
                   if spec.kind in ('ton', 'ctu')]
         rung = _matiec_rung if style == 'matiec' else _expert_rung
+        located = set(plant.inputs) | _outputs(plant) if style == 'matiec' else set()
         # One structure for all, in the order of the variables, as MatIEC has it.
-        fields = ''.join(f'V {name};' for name in names) + ''.join(
+        fields = ''.join(
+            f'{"L" if name in located else "V"} {name};' for name in names) + ''.join(
             f'{kind} {name};' for kind, name in blocks)
         head = STYLES[style] + f'typedef struct {{ {fields} }} ALL;\nextern ALL all;\n'
-        head += ''.join(f'#define {name} all.{name}_\n' for name in ())
-        (folder / 'all.h').write_text(head.replace('extern TIME now', 'extern TIME now'))
-        bodies = self._functions(specs, rung)
+        (folder / 'all.h').write_text(head)
+        bodies = self._functions(specs, rung, located)
         files = []
         for number, start in enumerate(range(0, len(bodies), _FUNCTIONS)):
             files.append(folder / f'part{number}.c')
@@ -163,28 +180,34 @@ class CPeer:
             + ''.join(f'void f{k}(void);\n' for k in range(len(bodies)))
             + 'void scan(TIME t) { now = t; '
             + ''.join(f'f{k}();' for k in range(len(bodies))) + '}\n'
+            + f'static BOOL image[{len(names)}];\n'
             + 'static BOOL *const places[] = {'
-            + ','.join(f'&all.{name}{value}' for name in names) + '};\n'
+            + ','.join(f'image + {place}' if name in located else f'&all.{name}{value}'
+                       for place, name in enumerate(names)) + '};\n'
+            + 'void begin(void) { '
+            + ''.join(f'all.{name}.value = image + {place};'
+                      for place, name in enumerate(names) if name in located) + '}\n'
             + 'void put(int k, BOOL v) { *places[k] = v; }\n'
-            + 'BOOL get(int k) { return *places[k]; }\n'
-            + 'void scans(TIME t, int n) { '
-            + 'for (int k = 0; k < n; k++) scan(t + k * 10000000LL); }')
+            + 'BOOL get(int k) { return *places[k]; }\n')
         library = folder / 'peer.so'
         self.build(files, library, flags)
         self.places = {name: place for place, name in enumerate(names)}
         loaded = ctypes.CDLL(str(library))
         loaded.scan.argtypes = [ctypes.c_int64]
-        loaded.scans.argtypes = [ctypes.c_int64, ctypes.c_int]
         loaded.put.argtypes = [ctypes.c_int, ctypes.c_uint8]
         loaded.get.argtypes, loaded.get.restype = [ctypes.c_int], ctypes.c_uint8
-        self.scan, self.scans, self._put, self._get = (
-            loaded.scan, loaded.scans, loaded.put, loaded.get)
+        loaded.begin()
+        self.scan, self._put, self._get = loaded.scan, loaded.put, loaded.get
 
     @staticmethod
-    def _functions(specs: Sequence[Spec], rung: object) -> list[str]:
-        import re
-        word = re.compile(r'\b(?=[a-z]\w*)((?:b_)?(?:k|x|m|q|i)\d+(?:_\d+)?|common)\b')
-        lines = [word.sub(r'all.\1', rung(spec)) for spec in specs]  # type: ignore[operator]
+    def _functions(
+        specs: Sequence[Spec], rung: Callable[[Spec], str], located: Set[str],
+    ) -> list[str]:
+        def access(found: re.Match[str]) -> str:
+            is_located = found.group(2) in located
+            return f'{found.group(1)}{"_LOCATED" if is_located else ""}({found.group(2)}'
+
+        lines = [_VARIABLE.sub(r'all.\1', _ACCESS.sub(access, rung(spec))) for spec in specs]
         return ['\n'.join(lines[start:start + _RUNGS])
                 for start in range(0, len(lines), _RUNGS)]
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, MutableSequence, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Generic, overload, TypeVar
+from typing import Generic, overload, Protocol, TypeVar
 
 from ladder_ros.diagnostics import Location
 from ladder_ros.model.types import DataType, normal_address, Value
@@ -147,6 +147,47 @@ class Variant:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Form:
+    """A faster form of a running program: its plain scan functions, and the state they work on.
+
+    ``adapt`` makes functions of another variant, which work on lists, work on such a state.
+    """
+
+    functions: Mapping[str, Scan]
+    make_state: Callable[[Sequence[Value]], State]
+    adapt: Callable[[Mapping[str, Scan]], Mapping[str, Scan]]
+
+
+LANES = 64
+"""Copies of a program that run in one pass."""
+
+
+class LaneState(Protocol):
+    """The state of so many copies of a program; each is a *lane*."""
+
+    def write(self, index: int, lane: int, value: Value) -> None:
+        """Give a slot of one lane a value."""
+
+    def read(self, index: int, lane: int) -> Value:
+        """Return the value of a slot of one lane."""
+
+    def row(self, index: int) -> tuple[Value, ...]:
+        """Return the values of a slot of all lanes."""
+
+
+LaneScan = Callable[[LaneState, int], None]
+"""One pass of an entry point in all lanes: (state, now in ns)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lanes:
+    """A program that runs in many copies at once: scan functions by entry name, and a state."""
+
+    functions: Mapping[str, LaneScan]
+    state: LaneState
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Entry:
     """A body of the program: runs once at start or in a task every ``interval`` ns.
 
@@ -243,6 +284,10 @@ class Executable:
     """Slots by casefolded path."""
     make_state: Callable[[Sequence[Value]], State] = list
     """Makes a state of values, one a slot, in the form that its scan functions work on."""
+    faster: Callable[[], Form] | None = None
+    """Makes a faster form of the program, which takes long; None if there is none."""
+    lanes: Callable[[], Lanes | None] | None = None
+    """Makes many copies of the program that run at once; None if that is impossible."""
     routines: tuple[RoutineEntry, ...] = ()
     tasks: tuple[TaskEntry, ...] = ()
     rungs: Sequence[RungEntry] = ()

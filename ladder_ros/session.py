@@ -27,6 +27,7 @@ from ladder_ros.runtime.change_desk import ChangeDesk
 from ladder_ros.runtime.changes import Change, Loaded
 from ladder_ros.runtime.clock import Clock, MonotonicClock
 from ladder_ros.runtime.controller import Controller
+from ladder_ros.runtime.lanes import Campaign
 from ladder_ros.runtime.listeners import (
     check_interval,
     ControllerState,
@@ -62,6 +63,7 @@ __all__ = [
     'DEFAULT_SCANS',
     'EXPORTS',
     'STAGES',
+    'Campaign',
     'Change',
     'ChangeKind',
     'ControllerState',
@@ -274,10 +276,8 @@ class Session:
         if backend is None:
             backend = before.backend if before else DEFAULT_BACKEND
         # What is compiled here leaves much behind, which is freed in one go when it is replaced.
-        if not self._background or not (
-                self._is_real or self.state is ControllerState.RUNNING):
-            return compile_file(path, backend)
-        if openplc_folder(os.fspath(path)) is not None:
+        runs = self._is_real or self.state is ControllerState.RUNNING
+        if not (self._background and runs) or openplc_folder(os.fspath(path)) is not None:
             return compile_file(path, backend)
         data = read_file(path)
         source_hash = file_hash(data, os.fspath(path))

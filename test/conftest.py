@@ -21,6 +21,9 @@ from support.processes import ManagedProcess
 CASES = Path(__file__).parent / 'cases'
 ON_CI = bool(os.environ.get('CI'))
 
+# What tests compile is not kept in the user's cache.
+os.environ['LADDER_ROS_CACHE'] = ''
+
 # Deadlines fail on a busy machine, not on a wrong program. On CI every run tries the same
 # examples, so that it fails for what was changed; at a desk each run tries new ones.
 settings.register_profile(

@@ -19,6 +19,8 @@ from typing import Any, TypeVar
 
 from ladder_ros.background.code import Code
 from ladder_ros.blocks import FUNCTIONS
+from ladder_ros.compiler.native import NativeProgram, without_code
+from ladder_ros.compiler.native_state import NativeLayout
 from ladder_ros.executable import Executable, Parts, Scan, Slot
 from ladder_ros.model.types import DataType
 from ladder_ros.runtime.online_change import StateItem, SwapReport
@@ -97,6 +99,33 @@ def _function(name: str) -> object:
     match = _FUNCTION.fullmatch(name)
     assert match is not None, name
     return FUNCTIONS[match.group(1)](DataType(match.group(2)))
+
+
+# -- native code ----------------------------------------------------------------------------------
+
+_NO_LAYOUT = NativeLayout(offsets=(), types=(), size=0)
+
+
+def pack_native(program: NativeProgram, rest: Mapping[str, Scan]) -> Iterator[bytes]:
+    """Yield the parts of a native program but its code, and of what it leaves to Python."""
+    layout = program.layout
+    yield pickle.dumps((replace(without_code(program), layout=_NO_LAYOUT),
+                        layout.size, len(layout.offsets)))
+    yield from _pack_many(
+        layout.offsets, lambda part: array('q', part).tobytes())
+    yield from _pack_many(
+        layout.types, lambda part: marshal.dumps([type_.value for type_ in part]))
+    yield from pack_code(rest)
+
+
+def unpack_native(receive: Receive, breathe: Breathe) -> tuple[NativeProgram, Code]:
+    """Read what :func:`pack_native` has written."""
+    program, size, count = pickle.loads(receive())
+    offsets = _unpack_many(receive, count, _numbers, breathe)
+    types = _unpack_many(
+        receive, count, lambda data: [DataType(name) for name in marshal.loads(data)], breathe)
+    layout = NativeLayout(offsets=tuple(offsets), types=tuple(types), size=size)
+    return replace(program, layout=layout), unpack_code(receive, breathe)
 
 
 # -- layout ---------------------------------------------------------------------------------------

@@ -27,11 +27,14 @@ from ladder_ros.background.packing import (
     unpack_code,
     unpack_comparison,
     unpack_layout,
+    unpack_native,
     unpack_transition,
 )
+from ladder_ros.compiler.native import load_native, NativeProgram, on_values
+from ladder_ros.compiler.native_state import StateForm
 from ladder_ros.compiler.pipeline import BACKENDS, Compilation, compile_program
-from ladder_ros.diagnostics import LadderError, Location
-from ladder_ros.executable import Executable, Scan, Variant
+from ladder_ros.diagnostics import InternalError, LadderError, Location
+from ladder_ros.executable import Executable, Form, Scan, Variant
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.planner import LocalPlanner, Transition
 from ladder_ros.runtime.preflight import Comparison
@@ -66,6 +69,19 @@ class _Build:
         if variant == Variant():
             return self._code
         return self.process.build(self, variant)
+
+
+class _Faster:
+    """Makes the native form of a program: object code there, linked here."""
+
+    def __init__(self, program: _Build) -> None:
+        self._program = program
+
+    def __call__(self) -> Form:
+        program, rest, objects = self._program.process.native(self._program)
+        return Form(
+            functions=load_native(program, objects, rest), make_state=StateForm(program.layout),
+            adapt=lambda functions: {body: on_values(scan) for body, scan in functions.items()})
 
 
 class CompilerProcess:
@@ -118,7 +134,33 @@ class CompilerProcess:
                     return unpack_code(listen, breathless)
         except (_Gone, OSError):
             pass
-        return _compile_here(program.source).executable.build(variant)
+        return _compile_here(program.source).first(variant)
+
+    def native(
+        self, program: _Build, timeout: float = DEFAULT_TIMEOUT,
+    ) -> tuple[NativeProgram, Mapping[str, Scan], list[bytes]]:
+        """Make the object code of a program that was compiled, a module in each turn.
+
+        Others have their turns in between.  Returns what `native.load_native` needs.  Raises
+        InternalError if the process cannot make it.
+        """
+        file = program.source[1]
+        try:
+            with self._turn, self._bounded(timeout, file) as listen:
+                if not self._asked(listen, ('native', program.key), program):
+                    raise _Gone
+                found, rest = unpack_native(listen, breathless)
+                modules = pickle.loads(listen())
+            objects: list[bytes] = []
+            for number in range(modules):
+                with self._turn, self._bounded(timeout, file) as listen:
+                    if not self._asked(listen, ('object', program.key, number), program):
+                        raise _Gone
+                    objects.append(listen())
+        except (_Gone, OSError):
+            raise InternalError('compiler', 'the process that makes native code has '
+                                            'ended') from None
+        return found, rest, objects
 
     def transition(
         self, old: Executable, new: Executable, breathe: Breathe = breathless,
@@ -170,8 +212,10 @@ class CompilerProcess:
             return None
         layout = unpack_layout(listen, breathe)
         code = unpack_code(listen, breathe)
-        return Compilation(diagnostics=content, executable=Executable(
-            **layout, build=_Build(self, key, source, code)))
+        build = _Build(self, key, source, code)
+        faster = _Faster(build) if layout['backend'] == 'native' else None
+        return Compilation(diagnostics=content, first=build, executable=Executable(
+            **layout, build=build, faster=faster))
 
     def _asked(self, listen: Receive, request: tuple[object, ...], *programs: _Build) -> bool:
         """Ask about programs; say whether the rest of the answer comes now."""

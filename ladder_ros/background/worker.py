@@ -23,11 +23,14 @@ from ladder_ros.background.packing import (
     pack_code,
     pack_comparison,
     pack_layout,
+    pack_native,
     pack_transition,
 )
+from ladder_ros.compiler.llvm_machine import make_object
+from ladder_ros.compiler.object_cache import ObjectCache
 from ladder_ros.compiler.pipeline import Compilation, compile_program
 from ladder_ros.diagnostics import LadderError
-from ladder_ros.executable import Variant
+from ladder_ros.executable import Executable, Variant
 from ladder_ros.runtime.planner import LocalPlanner
 from ladder_ros.runtime.scheduling import stay_behind
 from ladder_ros.source.read_any import parse_any
@@ -48,25 +51,34 @@ class Worker:
     def __init__(self) -> None:
         """Nothing is compiled yet."""
         self._known: OrderedDict[str, _Known] = OrderedDict()
+        self._modules: dict[str, tuple[str, ...]] = {}
+        """The texts of native modules that are to become object code, of known programs."""
 
     def answer(self, request: Any) -> Iterator[bytes]:
         """Yield the frames of an answer.
 
         The requests: ``('compile', key, bytes, file, backend, hash)``; ``learn``, the same without
         the program in the answer; ``('variant', key, Variant)``; ``('transition', key, key)``;
-        ``('compare', key, key, forces)``.  ``unknown``: a program is meant that is not kept.
+        ``('compare', key, key, forces)``; ``('native', key)`` for all of the native form but its
+        object code, which ``('object', key, number)`` makes of each of its modules.  ``unknown``:
+        a program is meant that is not kept.
         """
         match request:
             case ('compile', key, *source):
                 yield from self._compile(key, source, tell=True)
             case ('learn', key, *source):
                 yield from self._compile(key, source, tell=False)
-            case ('variant' | 'transition' | 'compare', *_) if self._lacks(request):
+            case _ if self._lacks(request):
                 yield pickle.dumps(('unknown', None))
             case ('variant', key, variant):
-                executable = self._executable(key)
                 yield pickle.dumps(('fine', None))
-                yield from pack_code(executable.build(variant))
+                yield from pack_code(self._compilation(key).first(variant))
+            case ('native', key):
+                yield from self._native(key)
+            case ('object', key, number):
+                made = make_object(self._texts(key)[number], ObjectCache())
+                yield pickle.dumps(('fine', None))
+                yield made
             case ('transition', before, after):
                 old, new = self._executable(before), self._executable(after)
                 yield pickle.dumps(('fine', None))
@@ -77,12 +89,31 @@ class Worker:
                 yield from pack_comparison(_PLANNER.compare(old, new, forces))
 
     def _lacks(self, request: tuple[Any, ...]) -> bool:
-        keys = request[1:2] if request[0] == 'variant' else request[1:3]
+        keys = request[1:3] if request[0] in ('transition', 'compare') else request[1:2]
         return not all(key in self._known for key in keys)
 
-    def _executable(self, key: str) -> Any:
+    def _compilation(self, key: str) -> Compilation:
         self._known.move_to_end(key)
-        return self._known[key].compilation.executable
+        return self._known[key].compilation
+
+    def _executable(self, key: str) -> Executable:
+        return self._compilation(key).executable
+
+    def _native(self, key: str) -> Iterator[bytes]:
+        make = self._compilation(key).native
+        assert make is not None, 'asked for by the executable of another backend'
+        program, rest = make()
+        self._modules[key] = program.modules
+        yield pickle.dumps(('fine', None))
+        yield from pack_native(program, rest)
+        yield pickle.dumps(len(program.modules))
+
+    def _texts(self, key: str) -> tuple[str, ...]:
+        """Return the modules of a program; they are emitted again if it has been forgotten."""
+        make = self._compilation(key).native
+        if key not in self._modules and make is not None:
+            self._modules[key] = make()[0].modules
+        return self._modules[key]
 
     def _compile(self, key: str, source: Any, *, tell: bool) -> Iterator[bytes]:
         known = self._known.get(key)
@@ -93,7 +124,7 @@ class Worker:
                     parse_any(data, file), backend=backend, source_hash=source_hash)
                 executable = compilation.executable
                 known = _Known(compilation=compilation, frames=(
-                    *pack_layout(executable), *pack_code(executable.build(Variant()))))
+                    *pack_layout(executable), *pack_code(compilation.first(Variant()))))
             except LadderError as error:
                 yield pickle.dumps(('wrong', error.diagnostics))
                 return
@@ -103,7 +134,7 @@ class Worker:
         self._known[key] = known
         self._known.move_to_end(key)
         while len(self._known) > _KEPT:
-            self._known.popitem(last=False)
+            self._modules.pop(self._known.popitem(last=False)[0], None)
         yield pickle.dumps(('fine', known.compilation.diagnostics))
         if tell:
             yield from known.frames

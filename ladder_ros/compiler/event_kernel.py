@@ -9,8 +9,10 @@ Readers of a changed byte are marked; those further down are executed in this sc
 the next one, as in a scan of everything.  So all values are equal after each scan, whatever is
 left out.
 
-Where much changes, following the changes costs more than it saves: when more than a quarter of the
-chunks were executed, the next scans execute everything, more of them each time in a row.
+Where much changes, following the changes costs more than it saves: when more than a fifth of the
+chunks were executed, the next scans execute everything, more of them each time in a row.  The last
+of these compares the state before and after it: what a chunk has read differs from what is there
+now only if somebody wrote it since, and that shows, unless others write it too.
 
 The kernel is the same for all programs, which give it tables.
 """
@@ -40,17 +42,19 @@ class EventTables:
         readers, writers = _users(chunks)
         first = array('i', [0]) * self.size
         middle, end = array('i', first), array('i', first)
-        rows = array('i')
+        rows, shared = array('i'), array('Q', [0]) * self.bitmap
         for index, offset in enumerate(layout.offsets):
             if offset < 0 or not (index in readers or index in writers):
                 continue
             own, written = readers.get(index, []), writers.get(index, [])
             if len(written) > 1:  # what one writes another may have to write again
+                for writer in written:
+                    shared[writer // 64] |= 1 << writer % 64
                 own, written = sorted({*own, *written}), []
             start = len(rows)
             rows.extend(own)
             between = len(rows)
-            rows.extend(chunk for chunk in written if chunk not in own)
+            rows.extend(writer for writer in written if writer not in own)
             for place in range(offset, offset + SIZE[layout.types[index]]):
                 first[place], middle[place], end[place] = start, between, len(rows)
         words, timers = array('i'), array('i')
@@ -63,7 +67,7 @@ class EventTables:
         large = sum(8 for offset, type_ in zip(layout.offsets, layout.types, strict=True)
                     if offset >= 0 and SIZE[type_] == 8)
         self._arrays = [
-            word_starts, first, middle, end, rows, timer_starts, timers, words]
+            word_starts, first, middle, end, rows, timer_starts, timers, words, shared]
         self._numbers = [self.count, self.size, self.bitmap, shadow, large]
 
     def bind(self, functions: Sequence[int], full: int) -> ctypes.Array[ctypes.c_int64]:
@@ -146,50 +150,49 @@ done:
 }
 """
 
-_BEGIN = """
-define internal void @begin(ptr %s, ptr %a, ptr %t) {
+_COMPARE = """
+define internal void @compare(ptr %s, ptr %a, ptr %t, i64 %last) {
 entry:
-  %count = load i64, ptr %t
   %size_p = getelementptr i64, ptr %t, i64 1
   %size = load i64, ptr %size_p
-  %words_p = getelementptr i64, ptr %t, i64 2
-  %words = load i64, ptr %words_p
   %shadow_p = getelementptr i64, ptr %t, i64 3
   %shadow_at = load i64, ptr %shadow_p
   %shadow = getelementptr i8, ptr %a, i64 %shadow_at
   %bitmap = getelementptr i8, ptr %a, i64 64
-  %valid_p = getelementptr i64, ptr %a, i64 2
-  %valid = load i64, ptr %valid_p
-  %is_valid = icmp ne i64 %valid, 0
-  br i1 %is_valid, label %compare, label %all
-all:
-  store i64 1, ptr %valid_p
-  call void @llvm.memcpy.p0.p0.i64(ptr %shadow, ptr %s, i64 %size, i1 false)
-  br label %fill
-fill:
-  %f = phi i64 [ 0, %all ], [ %f_next, %fill ]
-  %f_bits = shl i64 %f, 6
-  %f_left = sub i64 %count, %f_bits
-  %f_whole = icmp uge i64 %f_left, 64
-  %f_low = shl i64 1, %f_left
-  %f_low_mask = sub i64 %f_low, 1
-  %f_mask = select i1 %f_whole, i64 -1, i64 %f_low_mask
-  %f_p = getelementptr i64, ptr %bitmap, i64 %f
-  store i64 %f_mask, ptr %f_p
-  %f_next = add i64 %f, 1
-  %f_more = icmp ult i64 %f_next, %words
-  br i1 %f_more, label %fill, label %done
+  br label %compare
 compare:
   %at = phi i64 [ 0, %entry ], [ %at_next, %compared ]
-  %mine_p = getelementptr i8, ptr %s, i64 %at
-  %mine = load <8 x i64>, ptr %mine_p, align 8
-  %old_p = getelementptr i8, ptr %shadow, i64 %at
-  %old = load <8 x i64>, ptr %old_p, align 8
-  %x = xor <8 x i64> %mine, %old
+  %at0 = add i64 %at, 0
+  %mine0_p = getelementptr i8, ptr %s, i64 %at0
+  %mine0 = load <8 x i64>, ptr %mine0_p, align 8
+  %old0_p = getelementptr i8, ptr %shadow, i64 %at0
+  %old0 = load <8 x i64>, ptr %old0_p, align 8
+  %x0 = xor <8 x i64> %mine0, %old0
+  %at1 = add i64 %at, 64
+  %mine1_p = getelementptr i8, ptr %s, i64 %at1
+  %mine1 = load <8 x i64>, ptr %mine1_p, align 8
+  %old1_p = getelementptr i8, ptr %shadow, i64 %at1
+  %old1 = load <8 x i64>, ptr %old1_p, align 8
+  %x1 = xor <8 x i64> %mine1, %old1
+  %at2 = add i64 %at, 128
+  %mine2_p = getelementptr i8, ptr %s, i64 %at2
+  %mine2 = load <8 x i64>, ptr %mine2_p, align 8
+  %old2_p = getelementptr i8, ptr %shadow, i64 %at2
+  %old2 = load <8 x i64>, ptr %old2_p, align 8
+  %x2 = xor <8 x i64> %mine2, %old2
+  %at3 = add i64 %at, 192
+  %mine3_p = getelementptr i8, ptr %s, i64 %at3
+  %mine3 = load <8 x i64>, ptr %mine3_p, align 8
+  %old3_p = getelementptr i8, ptr %shadow, i64 %at3
+  %old3 = load <8 x i64>, ptr %old3_p, align 8
+  %x3 = xor <8 x i64> %mine3, %old3
+  %x01 = or <8 x i64> %x0, %x1
+  %x23 = or <8 x i64> %x2, %x3
+  %x = or <8 x i64> %x01, %x23
   %any = call i64 @llvm.vector.reduce.or.v8i64(<8 x i64> %x)
   %differs = icmp ne i64 %any, 0
-  br i1 %differs, label %words8, label %compared
-words8:
+  br i1 %differs, label %words32, label %compared
+words32:
   %k = phi i64 [ 0, %compare ], [ %k_next, %word_done ]
   %k_byte = shl i64 %k, 3
   %k_at = add i64 %at, %k_byte
@@ -203,14 +206,14 @@ words8:
 word_changed:
   store i64 %k_mine, ptr %k_old_p
   %k_word = lshr i64 %k_at, 3
-  call void @mark(ptr %t, ptr %bitmap, i64 %k_word, i64 %k_x, i64 10)
+  call void @mark(ptr %t, ptr %bitmap, i64 %k_word, i64 %k_x, i64 %last)
   br label %word_done
 word_done:
   %k_next = add i64 %k, 1
-  %k_more = icmp ult i64 %k_next, 8
-  br i1 %k_more, label %words8, label %compared
+  %k_more = icmp ult i64 %k_next, 32
+  br i1 %k_more, label %words32, label %compared
 compared:
-  %at_next = add i64 %at, 64
+  %at_next = add i64 %at, 256
   %at_more = icmp ult i64 %at_next, %size
   br i1 %at_more, label %compare, label %done
 done:
@@ -218,25 +221,97 @@ done:
 }
 """
 
+_RESYNC = """
+define internal i8 @resync(ptr %s, i64 %now, ptr %a, ptr %t) {
+entry:
+  %count = load i64, ptr %t
+  %size_p = getelementptr i64, ptr %t, i64 1
+  %size = load i64, ptr %size_p
+  %words_p = getelementptr i64, ptr %t, i64 2
+  %words = load i64, ptr %words_p
+  %bytes = shl i64 %words, 3
+  %shadow_p = getelementptr i64, ptr %t, i64 3
+  %shadow_at = load i64, ptr %shadow_p
+  %shadow = getelementptr i8, ptr %a, i64 %shadow_at
+  %bitmap = getelementptr i8, ptr %a, i64 64
+  %valid_p = getelementptr i64, ptr %a, i64 2
+  %full_p = getelementptr i64, ptr %t, i64 5
+  %full_f = load ptr, ptr %full_p
+  %starts_p = getelementptr i64, ptr %t, i64 12
+  %starts = load ptr, ptr %starts_p
+  %timers_p = getelementptr i64, ptr %t, i64 13
+  %timers = load ptr, ptr %timers_p
+  %shared_p = getelementptr i64, ptr %t, i64 15
+  %shared = load ptr, ptr %shared_p
+  call void @llvm.memcpy.p0.p0.i64(ptr %shadow, ptr %s, i64 %size, i1 false)
+  %r = call i8 %full_f(ptr %s, i64 %now)
+  %left = icmp ne i8 %r, 0
+  br i1 %left, label %stop, label %marks
+stop:
+  ret i8 %r
+marks:
+  call void @llvm.memcpy.p0.p0.i64(ptr %bitmap, ptr %shared, i64 %bytes, i1 false)
+  call void @compare(ptr %s, ptr %a, ptr %t, i64 9)
+  store i64 1, ptr %valid_p
+  br label %chunk
+chunk:
+  %c = phi i64 [ 0, %marks ], [ %c_next, %chunk_done ]
+  %c_next = add i64 %c, 1
+  %k_p = getelementptr i32, ptr %starts, i64 %c
+  %k_first = load i32, ptr %k_p
+  %k_end_p = getelementptr i32, ptr %starts, i64 %c_next
+  %k_end = load i32, ptr %k_end_p
+  br label %timer
+timer:
+  %k = phi i32 [ %k_first, %chunk ], [ %k_next, %look ]
+  %k_more = icmp slt i32 %k, %k_end
+  br i1 %k_more, label %look, label %chunk_done
+look:
+  %o_p = getelementptr i32, ptr %timers, i32 %k
+  %o = load i32, ptr %o_p
+  %flag_p = getelementptr i8, ptr %s, i32 %o
+  %flag = load i8, ptr %flag_p
+  %flag64 = zext i8 %flag to i64
+  %place = and i64 %c, 63
+  %bit = shl i64 %flag64, %place
+  %w = lshr i64 %c, 6
+  %dirty_p = getelementptr i64, ptr %bitmap, i64 %w
+  %dirty = load i64, ptr %dirty_p
+  %marked = or i64 %dirty, %bit
+  store i64 %marked, ptr %dirty_p
+  %k_next = add i32 %k, 1
+  br label %timer
+chunk_done:
+  %more = icmp ult i64 %c_next, %count
+  br i1 %more, label %chunk, label %done
+done:
+  ret i8 0
+}
+"""
+
 _SCAN = """
 define i8 @event_scan(ptr %s, i64 %now, ptr %a, ptr %t) {
 entry:
   %full_left = load i64, ptr %a
-  %is_full = icmp ne i64 %full_left, 0
   %valid_p = getelementptr i64, ptr %a, i64 2
-  br i1 %is_full, label %full, label %event
+  %valid = load i64, ptr %valid_p
+  %is_valid = icmp ne i64 %valid, 0
+  br i1 %is_valid, label %event, label %unknown
+unknown:
+  %is_full = icmp ne i64 %full_left, 0
+  br i1 %is_full, label %full, label %last
 full:
   %full_less = sub i64 %full_left, 1
   store i64 %full_less, ptr %a
-  store i64 0, ptr %valid_p
   %full_p = getelementptr i64, ptr %t, i64 5
   %full_f = load ptr, ptr %full_p
   %full_r = call i8 %full_f(ptr %s, i64 %now)
   ret i8 %full_r
+last:
+  %last_r = call i8 @resync(ptr %s, i64 %now, ptr %a, ptr %t)
+  ret i8 %last_r
 event:
-  %was_valid = load i64, ptr %valid_p
-  %knew = icmp ne i64 %was_valid, 0
-  call void @begin(ptr %s, ptr %a, ptr %t)
+  call void @compare(ptr %s, ptr %a, ptr %t, i64 10)
   %count = load i64, ptr %t
   %words_p = getelementptr i64, ptr %t, i64 2
   %words = load i64, ptr %words_p
@@ -351,14 +426,10 @@ word_end:
 end:
   %executed_p = getelementptr i64, ptr %a, i64 3
   store i64 %executed, ptr %executed_p
-  br i1 %knew, label %judge, label %quiet
-quiet:
-  ret i8 0
-judge:
   %back_p = getelementptr i64, ptr %a, i64 1
   %back = load i64, ptr %back_p
-  %executed4 = shl i64 %executed, 2
-  %much = icmp ugt i64 %executed4, %count
+  %executed5 = mul i64 %executed, 5
+  %much = icmp ugt i64 %executed5, %count
   br i1 %much, label %back_off, label %go_on
 back_off:
   %back2 = shl i64 %back, 1
@@ -366,9 +437,11 @@ back_off:
   %back_most = call i64 @llvm.umin.i64(i64 %back_least, i64 256)
   store i64 %back_most, ptr %back_p
   store i64 %back_most, ptr %a
+  store i64 0, ptr %valid_p
   ret i8 0
 go_on:
-  store i64 0, ptr %back_p
+  %back_half = lshr i64 %back, 1
+  store i64 %back_half, ptr %back_p
   ret i8 0
 }
 
@@ -379,14 +452,15 @@ declare i64 @llvm.vector.reduce.or.v8i64(<8 x i64>)
 declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)
 """
 
-KERNEL = _MARK + _BEGIN + _SCAN
+KERNEL = _MARK + _COMPARE + _RESYNC + _SCAN
 """The kernel as a module of LLVM's intermediate language.
 
 Tables, 8 bytes each: 0 chunks, 1 bytes of the state, 2 words of the bitmap, 3 where the shadow is
 in the area, 4 bytes of the slots of 8 bytes, 5 the scan of everything, 6 the chunks' functions, 7
 where each chunk's written words begin, 8 first, 9 middle and 10 end of each byte's row, 11 the
 rows, 12 where each chunk's timers begin, 13 the timers, 14 the written
-words.  A row lists who reads a byte, then who else must be told if it came from outside.
+words, 15 the chunks that write what others write too.  A row lists who reads a byte, then who else
+must be told if it came from outside.
 
 Area: scans of everything that are left, the length of their last series, whether shadow and bitmap
 are valid, chunks executed in the last scan; from byte 64 the bitmap, then the shadow.

@@ -4,7 +4,7 @@
 
 A rung becomes straight code: contacts are loads, AND, OR and XOR of bytes, whatever the power is,
 so that no branch can be mispredicted and a scan takes as long with any data.  A value that was
-read or written in a function is not read again.  Only IF, LOOP and the routines of composites
+read or written just before is not read again.  Only IF, LOOP and the routines of composites
 branch.
 
 A function holds some networks (a *chunk*); a routine calls its chunks one after the other.  Each
@@ -14,7 +14,7 @@ takes the address of the state and the time, and returns how to go on: GO_ON, LE
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 import hashlib
 from itertools import pairwise
@@ -96,6 +96,11 @@ class Chunk:
     may_leave: bool
 
 
+def parameters(lanes: int) -> str:
+    """Return the parameters of a function; ``mask`` says which lanes execute it."""
+    return 'ptr %s, i64 %now' if lanes == 1 else f'ptr %s, i64 %now, i{lanes} %mask'
+
+
 def routine_symbol(name: str) -> str:
     """Return the symbol of the function of a composite's instance."""
     return f'routine_{hashlib.sha256(name.encode()).hexdigest()[:24]}'
@@ -109,7 +114,11 @@ class ChunkEmitter:
     routines: Mapping[str, Activity]
     """What the routines do that are native, by instance."""
     builder: Builder = field(default_factory=Builder)
+    mask: Val | None = None
+    """The lanes that execute it (a BOOL); None: all of them."""
     known: dict[int, Val] = field(default_factory=dict)
+    """Values of slots that were read or written; ``old`` are those of earlier networks."""
+    old: tuple[int, ...] = ()
     reads: set[int] = field(default_factory=set)
     writes: set[int] = field(default_factory=set)
     timers: set[int] = field(default_factory=set)
@@ -125,7 +134,14 @@ class ChunkEmitter:
     opened: list[str] = field(default_factory=list)
 
     def add(self, network: Network) -> None:
-        """Add a network.  Raises NotNativeError if some of it has no native form."""
+        """Add a network.  Raises NotNativeError if some of it has no native form.
+
+        What was known before the last network is forgotten: to read it again costs less than to
+        keep it, as registers are few.
+        """
+        for index in self.old:
+            self.known.pop(index, None)
+        self.old = tuple(self.known)
         self.stack, self.saved, self.temporaries, self.opened = [], [], {}, []
         branches = any(instruction.op in CONTROL for instruction in network.code)
         self.boxes = {} if branches else None
@@ -151,23 +167,31 @@ class ChunkEmitter:
     def _address(self, offset: int) -> str:
         return self.builder.let(f'getelementptr i8, ptr %s, i64 {offset}', 'ptr').text
 
+    @property
+    def _align(self) -> str:
+        """How memory is aligned that is less so than LLVM takes for granted."""
+        return '' if self.builder.lanes == 1 else ', align 8'
+
     def _load(self, index: int) -> Val:
         found = self.known.get(index)
         if found is None:
             self.reads.add(index)
             ir = IR_TYPE[self.memory.layout.types[index]]
             place = self._address(self.memory.layout.offsets[index])
-            found = self.builder.let(f'load {self.builder.type(ir)}, ptr {place}', ir)
+            found = self.builder.let(
+                f'load {self.builder.type(ir)}, ptr {place}{self._align}', ir)
             self.known[index] = found
         return found
 
     def _store(self, index: int, value: Val) -> None:
         if index in self.memory.forced:
             return
+        if self.mask is not None:
+            value = self.builder.select(self.mask, value, self._load(index))
         self.writes.add(index)
         place = self._address(self.memory.layout.offsets[index])
         self.builder.lines.append(
-            f'store {self.builder.type(value.ir)} {value.text}, ptr {place}')
+            f'store {self.builder.type(value.ir)} {value.text}, ptr {place}{self._align}')
         self.known[index] = value
 
     def _count_error(self, wrong: Val) -> None:
@@ -221,6 +245,8 @@ class ChunkEmitter:
     def _place(self, element: Element) -> tuple[Val, Val, str]:
         """Return whether an element is in its array (a BOOL), its type, and its address."""
         builder, layout = self.builder, self.memory.layout
+        if builder.lanes > 1:
+            raise NotNativeError('an array element with lanes')
         slots = self.memory.elements(element)
         steps = {layout.offsets[after] - layout.offsets[slot]
                  for slot, after in pairwise(slots)} or {0}
@@ -348,6 +374,8 @@ class ChunkEmitter:
         self.known.clear()
 
     def _control(self, op: Op) -> None:
+        if self.builder.lanes > 1:
+            raise NotNativeError(f'{op.value} with lanes')
         if op is Op.IF:
             end, then = self._label(), self._label()
             self._branch(self.stack.pop(), then, end)
@@ -412,27 +440,66 @@ class ChunkEmitter:
             raise NotNativeError(f'{call.instance} has parts that only Python runs')
         builder, power = self.builder, self.stack[-1]
         flag = self.memory.slot(active_flag(call.instance))
-        symbol = routine_symbol(call.instance)
         was_active = self._load(flag)
-        inside, failed, off, after = (self._label() for _ in range(4))
-        builder.needs[f'declare i8 @{symbol}(ptr, i64)'] = None
-        self._store(flag, power if op is Op.RUN else builder.or_(power, was_active))
-        self._branch(power, inside, off)
+        self._store(flag, power)
+        symbol = routine_symbol(call.instance)
+        runs = power if self.mask is None else builder.and_(power, self.mask)
+        builder.needs[f'declare i8 @{symbol}({parameters(builder.lanes)})'] = None
+        inside, after = self._label(), self._label()
+        self._branch_any(runs, inside, after)
         self._start(inside, comes_from_above=False)
-        answer = builder.let(f'call i8 @{symbol}(ptr %s, i64 %now)', 'i8')
-        wrong = builder.let(f'icmp eq i8 {answer.text}, {FAILED}', 'i1')
-        builder.lines += [f'br i1 {wrong.text}, label %{failed}, label %{after}', f'{failed}:',
-                          f'ret i8 {FAILED}']
-        self._start(off, comes_from_above=False)
-        if op is Op.EXE:
-            release = self._label()
-            self._branch(was_active, release, after)
-            self._start(release, comes_from_above=False)
-            builder.needs[f'declare void @{symbol}_release(ptr)'] = None
-            builder.lines.append(f'call void @{symbol}_release(ptr %s)')
+        answer = builder.let(
+            f'call i8 @{symbol}(ptr %s, i64 %now{self._masked(runs)})', 'i8')
+        if builder.lanes == 1:
+            failed, fine = self._label(), self._label()
+            wrong = builder.let(f'icmp eq i8 {answer.text}, {FAILED}', 'i1')
+            builder.lines += [f'br i1 {wrong.text}, label %{failed}, label %{fine}',
+                              f'{failed}:', f'ret i8 {FAILED}', f'{fine}:']
+            self.may_leave = True
         self._start(after)
-        self.may_leave = True
+        if op is Op.EXE:
+            ends = builder.and_(was_active, builder.not_(power))
+            self._release(symbol, ends if self.mask is None else builder.and_(ends, self.mask))
         self.called |= self.routines[call.instance]
+
+    def _release(self, symbol: str, ends: Val) -> None:
+        """Release a routine where it is no longer executed."""
+        release, after = self._label(), self._label()
+        kinds = 'ptr' if self.builder.lanes == 1 else f'ptr, i{self.builder.lanes}'
+        self.builder.needs[f'declare void @{symbol}_release({kinds})'] = None
+        self._branch_any(ends, release, after)
+        self._start(release, comes_from_above=False)
+        self.builder.lines.append(f'call void @{symbol}_release(ptr %s{self._masked(ends)})')
+        self._start(after)
+
+    def release(self, routine: Routine) -> None:
+        """Add what releases a routine."""
+        for instruction in routine.instructions():
+            call = instruction.call
+            if call is not None and instruction.op is Op.EXE:
+                if call.instance not in self.routines:
+                    raise NotNativeError(f'{call.instance} has parts that only Python runs')
+                ends = self._read(active_flag(call.instance))
+                if self.mask is not None:
+                    ends = self.builder.and_(ends, self.mask)
+                self._release(routine_symbol(call.instance), ends)
+            elif call is not None and instruction.op is Op.CAL and call.name in RELEASE:
+                fields = self._fields(call, CATALOGUE[call.name])
+                before = [self._load(index) for index in fields]
+                after = inline_step(self.builder, RELEASE[call.name], before)
+                for index, old, new in zip(fields, before, after, strict=True):
+                    self._store(index, self._of_step(new, old.ir))
+        self._store(self.memory.slot(active_flag(routine.name)), self.builder.false)
+
+    def _masked(self, mask: Val) -> str:
+        """Return the argument that says which lanes execute a function."""
+        return '' if self.builder.lanes == 1 else f', i{self.builder.lanes} {mask.text}'
+
+    def _branch_any(self, condition: Val, yes: str, no: str) -> None:
+        """Branch if a condition holds in any lane."""
+        kind = self.builder.type(WORD)
+        any_ = self.builder.let(f'icmp ne {kind} {condition.text}, 0', 'i1')
+        self.builder.lines.append(f'br i1 {any_.text}, label %{yes}, label %{no}')
 
     def _fields(self, call: Call, kind: BlockKind) -> list[int]:
         return [self.memory.slots[f'{call.instance}.{pin.name}'.casefold()] for pin in kind.state]
@@ -450,7 +517,7 @@ class ChunkEmitter:
         types = [self.memory.layout.types[index] for index in fields]
         state = [self._step_value(*typed) for typed in zip(before, types, strict=True)]
         after = inline_step(
-            builder, FUNCTION_BLOCKS[call.name], [Val('%now', 'i64'), *inputs, *state])
+            builder, FUNCTION_BLOCKS[call.name], [builder.spread('%now'), *inputs, *state])
         for own, index, old, new in zip(kind.state, fields, before, after, strict=True):
             otherwise = builder.false if own.name == 'ENO' else old
             self._store(index, builder.select(enabled, self._of_step(new, old.ir), otherwise))
@@ -514,66 +581,14 @@ class ChunkEmitter:
 
 
 def emit_release(
-    routine: Routine, memory: Memory, routines: Mapping[str, Activity],
+    routine: Routine, memory: Memory, routines: Mapping[str, Activity], lanes: int = 1,
 ) -> tuple[str, Activity]:
     """Return the function that releases a routine's timers, and those of routines inside it."""
-    emitter = ChunkEmitter(memory=memory, routines=routines)
-    lines = emitter.builder.lines
-    for instruction in routine.instructions():
-        call = instruction.call
-        if call is not None and instruction.op is Op.EXE:
-            if call.instance not in routines:
-                raise NotNativeError(f'{call.instance} has parts that only Python runs')
-            release, after = emitter._label(), emitter._label()
-            emitter._branch(emitter._read(active_flag(call.instance)), release, after)
-            symbol = routine_symbol(call.instance)
-            lines += [f'{release}:', f'call void @{symbol}_release(ptr %s)', f'br label %{after}',
-                      f'{after}:']
-            emitter.known.clear()
-        elif call is not None and instruction.op is Op.CAL and call.name in RELEASE:
-            fields = emitter._fields(call, CATALOGUE[call.name])
-            before = [emitter._load(index) for index in fields]
-            after_release = inline_step(emitter.builder, RELEASE[call.name], before)
-            for index, old, new in zip(fields, before, after_release, strict=True):
-                emitter._store(index, emitter._of_step(new, old.ir))
-    emitter._store(memory.slot(active_flag(routine.name)), emitter.builder.false)
+    mask = Val('%mask', WORD) if lanes > 1 else None
+    emitter = ChunkEmitter(
+        memory=memory, routines=routines, builder=Builder(lanes=lanes), mask=mask)
+    emitter.release(routine)
+    given = 'ptr %s' if lanes == 1 else f'ptr %s, i{lanes} %mask'
+    body = '\n'.join(emitter.builder.lines)
     symbol = routine_symbol(routine.name)
-    body = '\n'.join(lines)
-    return f'define void @{symbol}_release(ptr %s) {{\n{body}\nret void\n}}', emitter.activity
-
-
-def written_order(routines: Sequence[Routine], slots: Mapping[str, int]) -> list[int]:
-    """Return the slots that the code writes, in its order; arrays are left out."""
-    order: list[int] = []
-    for routine in routines:
-        for instruction in routine.instructions():
-            call = instruction.call
-            targets: list[Operand | None] = [instruction.memory, instruction.target]
-            if call is None and instruction.op.value[0] in 'SR':
-                targets.append(instruction.operand)
-            if call is not None:
-                targets += [target for _, target in call.outputs]
-                if instruction.op is Op.CAL:
-                    order += [slots[f'{call.instance}.{pin.name}'.casefold()]
-                              for pin in CATALOGUE[call.name].state]
-                elif instruction.op is not Op.FUN:
-                    order.append(slots[active_flag(call.instance).path.casefold()])
-            order += [slots[target.path.casefold()] for target in targets
-                      if isinstance(target, Ref) and not target.path.startswith('%T')]
-    return order
-
-
-def arrays_of(routines: Sequence[Routine], slots: Mapping[str, int]) -> list[range]:
-    """Return the ranges of slots of the arrays that the code indexes at run time."""
-    found: list[range] = []
-    for routine in routines:
-        for instruction in routine.instructions():
-            call = instruction.call
-            operands: list[Operand | None] = [instruction.operand, instruction.target]
-            if call is not None:
-                operands += [operand for _, operand in (*call.inputs, *call.outputs)]
-            for operand in operands:
-                if isinstance(operand, Element):
-                    first = slots[operand.first.path.casefold()]
-                    found.append(range(first, first + operand.count * operand.stride))
-    return found
+    return f'define void @{symbol}_release({given}) {{\n{body}\nret void\n}}', emitter.activity

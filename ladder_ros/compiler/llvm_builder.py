@@ -132,6 +132,15 @@ class Builder:
         given = ', '.join(f'{self.type(value.ir)} {value.text}' for value in arguments)
         return self.let(f'call {self.type(ir)} {name}({given})', ir)
 
+    def spread(self, name: str) -> Val:
+        """Return an integer of 64 bits that is the same in all lanes."""
+        if self.lanes == 1:
+            return Val(name, 'i64')
+        kind = self.type('i64')
+        first = self.let(f'insertelement {kind} poison, i64 {name}, i64 0', 'i64')
+        return self.let(f'shufflevector {kind} {first.text}, {kind} poison, '
+                        f'<{self.lanes} x i32> zeroinitializer', 'i64')
+
     # BOOLs
 
     def and_(self, first: Val, second: Val) -> Val:

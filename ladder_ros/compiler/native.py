@@ -11,15 +11,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 import ctypes
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 import hashlib
 from itertools import groupby
 
 from ladder_ros.compiler.event_kernel import EventTables, KERNEL, SYMBOL
-from ladder_ros.compiler.il import Instruction, InstructionList, LoopError, Network, Op, Routine
+from ladder_ros.compiler.il import (
+    active_flag,
+    Instruction,
+    InstructionList,
+    LoopError,
+    Network,
+    Op,
+    Routine,
+)
 from ladder_ros.compiler.il_to_llvm import (
     Activity,
-    arrays_of,
     Chunk,
     ChunkEmitter,
     emit_release,
@@ -27,20 +34,22 @@ from ladder_ros.compiler.il_to_llvm import (
     GO_ON,
     LEFT,
     Memory,
+    parameters,
     routine_symbol,
-    written_order,
 )
+from ladder_ros.compiler.llvm_builder import Builder, Val, WORD
 from ladder_ros.compiler.llvm_machine import Linked
 from ladder_ros.compiler.llvm_steps import NotNativeError
 from ladder_ros.compiler.native_state import arrange, NativeLayout
-from ladder_ros.compiler.symbols import Element
+from ladder_ros.compiler.symbols import Element, Operand, Ref
 from ladder_ros.executable import Scan, Slot, State
+from ladder_ros.model.catalogue import CATALOGUE
 
 _NETWORKS = 16
 _INSTRUCTIONS = 200
 """Most networks, and about the most instructions, in a chunk."""
-_LEAST_CHUNKS = 32
-"""Chunks that a part must have for it to pay to follow what has changed."""
+LEAST_INSTRUCTIONS = 25_000
+"""Instructions that a part must have for it to pay to follow what has changed."""
 _CHUNKS = 32
 """Chunks in a module: the part that is compiled, and kept, as one."""
 
@@ -49,16 +58,14 @@ _CHUNKS = 32
 class Part:
     """A part of a body: a native function's symbol, or networks that Python runs.
 
-    ``chunks`` are the functions that a native one calls, with what they do.
+    ``chunks`` are the functions that a native one calls; ``tables`` say what they do, if there are
+    so many of them that it pays to leave some out.
     """
 
     symbol: str = ''
-    chunks: tuple[tuple[str, Activity], ...] = ()
+    chunks: tuple[str, ...] = ()
+    tables: EventTables | None = None
     networks: tuple[Network, ...] = ()
-
-
-def _is_large(part: Part) -> bool:
-    return len(part.chunks) >= _LEAST_CHUNKS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,15 +87,55 @@ def layout_of(code: InstructionList, slots: Sequence[Slot],
               index: Mapping[str, int]) -> NativeLayout:
     """Lay out the state of a program."""
     return arrange(
-        slots, written_order(code.routines, index), arrays_of(code.routines, index))
+        slots, _written_order(code.routines, index), _arrays_of(code.routines, index))
+
+
+def _written_order(routines: Sequence[Routine], slots: Mapping[str, int]) -> list[int]:
+    """Return the slots that the code writes, in its order; arrays are left out."""
+    order: list[int] = []
+    for routine in routines:
+        for instruction in routine.instructions():
+            call = instruction.call
+            targets: list[Operand | None] = [instruction.memory, instruction.target]
+            if call is None and instruction.op.value[0] in 'SR':
+                targets.append(instruction.operand)
+            if call is not None:
+                targets += [target for _, target in call.outputs]
+                if instruction.op is Op.CAL:
+                    order += [slots[f'{call.instance}.{pin.name}'.casefold()]
+                              for pin in CATALOGUE[call.name].state]
+                elif instruction.op is not Op.FUN:
+                    order.append(slots[active_flag(call.instance).path.casefold()])
+            order += [slots[target.path.casefold()] for target in targets
+                      if isinstance(target, Ref) and not target.path.startswith('%T')]
+    return order
+
+
+def _arrays_of(routines: Sequence[Routine], slots: Mapping[str, int]) -> list[range]:
+    """Return the ranges of slots of the arrays that the code indexes at run time."""
+    found: list[range] = []
+    for routine in routines:
+        for instruction in routine.instructions():
+            call = instruction.call
+            operands: list[Operand | None] = [instruction.operand, instruction.target]
+            if call is not None:
+                operands += [operand for _, operand in (*call.inputs, *call.outputs)]
+            for operand in operands:
+                if isinstance(operand, Element):
+                    first = slots[operand.first.path.casefold()]
+                    found.append(range(first, first + operand.count * operand.stride))
+    return found
 
 
 def emit_native(
     code: InstructionList, slots: Mapping[str, int], layout: NativeLayout,
-    forced: frozenset[int] = frozenset(),
+    forced: frozenset[int] = frozenset(), lanes: int = 1,
 ) -> NativeProgram:
-    """Return the native form of a program.  ``slots`` are indices by casefolded path."""
-    return _Emitter(code, Memory(slots=slots, layout=layout, forced=forced)).emit()
+    """Return the native form of a program.  ``slots`` are indices by casefolded path.
+
+    With ``lanes`` it is that of so many copies of the program at once.
+    """
+    return _Emitter(code, Memory(slots=slots, layout=layout, forced=forced), lanes).emit()
 
 
 @dataclass(slots=True, kw_only=True)
@@ -98,9 +145,8 @@ class _Function:
     symbol: str
     chunk: Chunk
 
-    @property
-    def text(self) -> str:
-        return f'define i8 @{self.symbol}(ptr %s, i64 %now) {{\n{self.chunk.body}\n}}'
+    def text(self, lanes: int) -> str:
+        return f'define i8 @{self.symbol}({parameters(lanes)}) {{\n{self.chunk.body}\n}}'
 
 
 def _jumps(routine: Routine) -> bool:
@@ -112,6 +158,7 @@ def _jumps(routine: Routine) -> bool:
 class _Emitter:
     code: InstructionList
     memory: Memory
+    lanes: int = 1
     routines: dict[str, Activity] = field(default_factory=dict)
     """What the routines do that are native as a whole, by instance."""
     sizes: dict[str, int] = field(default_factory=dict)
@@ -122,8 +169,11 @@ class _Emitter:
 
     def emit(self) -> NativeProgram:
         inner = [routine for routine in self.code.routines if not routine.is_body]
+        done: set[str] = set()
         for routine in reversed(inner):  # each comes after those that call it
-            self.inner_routine(routine)
+            if routine.name not in done:  # one that is called in several places is there as often
+                done.add(routine.name)
+                self.inner_routine(routine)
         parts: dict[str, tuple[Part, ...]] = {}
         rest: list[Routine] = []
         for routine in self.code.routines:
@@ -134,7 +184,7 @@ class _Emitter:
         if rest:
             rest += inner
         modules = list(self.modules())
-        if any(_is_large(part) for several in parts.values() for part in several):
+        if any(part.tables for several in parts.values() for part in several):
             modules.append(KERNEL)
         return NativeProgram(
             layout=self.memory.layout, modules=tuple(modules), parts=parts,
@@ -144,8 +194,9 @@ class _Emitter:
         try:
             if _jumps(routine):
                 raise NotNativeError('a jump')
-            functions = list(self.chunks(routine.networks))
-            release, activity = emit_release(routine, self.memory, self.routines)
+            functions = list(self.chunks(routine.networks, is_inner=True))
+            release, activity = emit_release(
+                routine, self.memory, self.routines, self.lanes)
         except NotNativeError as error:
             self.why_not[str(error)] = None
             return
@@ -178,26 +229,37 @@ class _Emitter:
             symbol = f'body_{len(self.drivers)}'
             self.keep(functions)
             self.drivers.append(self.driver(symbol, functions))
-            yield Part(symbol=symbol, chunks=tuple(
-                (function.symbol, function.chunk.activity) for function in functions))
+            size = sum(map(self.size, networks))
+            activities = [function.chunk.activity for function in functions]
+            yield Part(
+                symbol=symbol, chunks=tuple(function.symbol for function in functions),
+                tables=EventTables(activities, self.memory.layout)
+                if self.lanes == 1 and size >= LEAST_INSTRUCTIONS else None)
 
     def fault(self, network: Network) -> str:
         """Return why a network is not native, or ''."""
         if not any(_may_fail(instruction) for instruction in network.code):
             return ''
         try:
-            ChunkEmitter(memory=self.memory, routines=self.routines).add(network)
+            self.emitter().add(network)
         except NotNativeError as error:
             return str(error)
         return ''
 
-    def chunks(self, networks: Sequence[Network]) -> Iterator[_Function]:
-        emitter = ChunkEmitter(memory=self.memory, routines=self.routines)
+    def emitter(self, *, is_inner: bool = False) -> ChunkEmitter:
+        mask = Val('%mask', WORD) if is_inner and self.lanes > 1 else None
+        return ChunkEmitter(memory=self.memory, routines=self.routines, mask=mask,
+                            builder=Builder(lanes=self.lanes))
+
+    def chunks(
+        self, networks: Sequence[Network], *, is_inner: bool = False,
+    ) -> Iterator[_Function]:
+        emitter = self.emitter(is_inner=is_inner)
         count = size = 0
         for network in networks:
             if count and (count >= _NETWORKS or size + self.size(network) > _INSTRUCTIONS):
                 yield self.function(emitter)
-                emitter = ChunkEmitter(memory=self.memory, routines=self.routines)
+                emitter = self.emitter(is_inner=is_inner)
                 count = size = 0
             emitter.add(network)
             count, size = count + 1, size + self.size(network)
@@ -220,9 +282,10 @@ class _Emitter:
 
     def driver(self, symbol: str, functions: Sequence[_Function]) -> str:
         """Return the function that calls others one after the other."""
-        lines = [f'define i8 @{symbol}(ptr %s, i64 %now) {{']
+        given = parameters(self.lanes)
+        lines = [f'define i8 @{symbol}({given}) {{']
         for number, function in enumerate(functions):
-            lines.append(f'%r{number} = call i8 @{function.symbol}(ptr %s, i64 %now)')
+            lines.append(f'%r{number} = call i8 @{function.symbol}({given})')
             if function.chunk.may_leave:
                 lines += [
                     f'%c{number} = icmp eq i8 %r{number}, {GO_ON}',
@@ -235,8 +298,9 @@ class _Emitter:
         for start in range(0, len(functions), _CHUNKS):
             part = functions[start:start + _CHUNKS]
             needs = dict.fromkeys(need for function in part for need in function.chunk.needs)
-            yield '\n'.join((*needs, *(function.text for function in part)))
-        declared = [f'declare i8 @{function.symbol}(ptr, i64)' for function in functions]
+            yield '\n'.join((*needs, *(function.text(self.lanes) for function in part)))
+        declared = [
+            f'declare i8 @{function.symbol}({parameters(self.lanes)})' for function in functions]
         yield '\n'.join((*declared, *self.drivers))
 
 
@@ -244,6 +308,14 @@ def _may_fail(instruction: Instruction) -> bool:
     """Say whether an instruction may have no native form; most have one."""
     return instruction.call is not None or instruction.op is Op.MOV or isinstance(
         instruction.operand, Element)
+
+
+def without_code(program: NativeProgram) -> NativeProgram:
+    """Return what :func:`load_native` needs of a program besides its object code."""
+    return replace(
+        program, modules=(), rest=InstructionList(routines=()),
+        parts={body: tuple(replace(part, networks=()) for part in parts)
+               for body, parts in program.parts.items()})
 
 
 # -- running -------------------------------------------------------------------------------------
@@ -266,8 +338,8 @@ def load_native(
     linked = Linked(objects)
 
     def part_scan(part: Part) -> _PartScan:
-        if by_events and _is_large(part):
-            return _by_events(part, program.layout, linked)
+        if by_events and part.tables is not None:
+            return _by_events(part, part.tables, linked)
         return _native_part(_PLAIN(linked.address(part.symbol)), linked)
 
     def scan_of(body: str, parts: Sequence[Part]) -> Scan:
@@ -296,10 +368,9 @@ def _native_part(step: _Step, linked: Linked) -> _PartScan:
     return scan
 
 
-def _by_events(part: Part, layout: NativeLayout, linked: Linked) -> _PartScan:
-    tables = EventTables([activity for _, activity in part.chunks], layout)
-    bound = tables.bind([linked.address(symbol) for symbol, _ in part.chunks],
-                        linked.address(part.symbol))
+def _by_events(part: Part, tables: EventTables, linked: Linked) -> _PartScan:
+    bound = tables.bind(
+        [linked.address(symbol) for symbol in part.chunks], linked.address(part.symbol))
     step = _KERNEL(linked.address(SYMBOL))
     size, place = tables.area, ctypes.addressof(bound)
 

@@ -29,6 +29,10 @@ FORMAT = {
 SIZE = {type_: struct.calcsize(f'={letter}') for type_, letter in FORMAT.items()}
 
 
+_BLOCK = 256
+"""Bytes that states are a multiple of: they are compared in such blocks."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NativeLayout:
     """Where each slot lies: its offset in bytes, or -1 for a STRING; ``size`` of all in bytes.
@@ -66,7 +70,7 @@ def arrange(
         offsets[slot.index] = end
         end += SIZE[slot.type]
     return NativeLayout(offsets=tuple(offsets), types=tuple(slot.type for slot in slots),
-                        size=(end + 63) // 64 * 64)
+                        size=(end + _BLOCK - 1) // _BLOCK * _BLOCK)
 
 
 class StateForm:

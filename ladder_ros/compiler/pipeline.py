@@ -27,7 +27,14 @@ from ladder_ros.compiler.link import link_code, list_components
 from ladder_ros.compiler.llvm_machine import make_object, why_missing
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
-from ladder_ros.compiler.native import emit_native, layout_of, load_native, on_values
+from ladder_ros.compiler.native import (
+    emit_native,
+    layout_of,
+    load_native,
+    NativeProgram,
+    on_values,
+)
+from ladder_ros.compiler.native_lanes import arrange_lanes, load_lanes, NativeLanes
 from ladder_ros.compiler.native_state import StateForm
 from ladder_ros.compiler.object_cache import ObjectCache
 from ladder_ros.compiler.st_to_il import lower_statements
@@ -40,7 +47,7 @@ from ladder_ros.compiler.wires_to_aov import build_wired_aovs
 from ladder_ros.compiler.wiring import Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError, problem
-from ladder_ros.executable import Entry, Executable, Scan, Variant
+from ladder_ros.executable import Entry, Executable, LANES, Lanes, Scan, Slot, Variant
 from ladder_ros.garbage import collected_later
 from ladder_ros.model.program import Body, CallKind, Pou, Program, RunKind
 
@@ -64,10 +71,14 @@ class Compilation:
     """The result: what runs, and the warnings and hints about the program.
 
     ``code`` is what the executable was made from; None if that was done in another process.
+    ``first`` makes the form that is ready first, scan functions on a list, of a variant;
+    ``native`` emits native code, if the backend does, and what Python runs of the plain program.
     """
 
     executable: Executable
     diagnostics: tuple[Diagnostic, ...]
+    first: Callable[[Variant], Mapping[str, Scan]]
+    native: Callable[[], tuple[NativeProgram, Mapping[str, Scan]]] | None = None
     code: InstructionList | None = None
 
 
@@ -101,21 +112,25 @@ def compile_program(
     slots = tuple(dict.fromkeys(by_path.values()))
     form = StateForm(layout_of(code, slots, index)) if backend == 'native' else None
 
-    def build(variant: Variant) -> Mapping[str, Scan]:
+    def build(variant: Variant, by: Backend = BACKENDS[backend]) -> Mapping[str, Scan]:
         chosen = code
         if variant.observed:
             chosen = link_code(program, {**lower(build_sequences(stages)), **stages.texts})
-        return BACKENDS[backend](chosen, index, component_index, variant, form)
+        return by(chosen, index, component_index, variant, form)
 
     executable = Executable(
         name=program.name, backend=backend, slots=slots, make_state=form or list,
         components=components, source_hash=source_hash, build=build,
         entries=tuple(_entry(program, body) for body in program.bodies), by_path=by_path,
         tasks=tasks, rungs=list_rungs(program),
-        routines=list_routines(code, index))
+        routines=list_routines(code, index),
+        lanes=None if form is None else lambda: _lanes(code, index, slots))
     return Compilation(
         executable=executable, code=code,
-        diagnostics=missing + stages.diagnostics + check_coils(code, components))
+        diagnostics=missing + stages.diagnostics + check_coils(code, components),
+        first=build if form is None else lambda variant: build(variant, _python),
+        native=None if form is None else lambda: _emit_native(
+            code, index, component_index, Variant(), form))
 
 
 def _available(program: Program, backend: str) -> tuple[str, tuple[Diagnostic, ...]]:
@@ -301,11 +316,29 @@ def _native(
     if variant.observed:
         python = _python(code, slots, components, variant, form)
         return {body: on_values(scan) for body, scan in python.items()}
-    program = emit_native(code, slots, form.layout, variant.forced)
+    program, rest = _emit_native(code, slots, components, variant, form)
+    cached = ObjectCache()
+    return load_native(
+        program, [make_object(text, cached) for text in program.modules], rest)
+
+
+def _lanes(code: InstructionList, index: Names, slots: Sequence[Slot]) -> Lanes | None:
+    """Return many copies of a program, or None if that is impossible."""
+    layout = arrange_lanes(slots)
+    program = emit_native(code, index, layout, lanes=LANES)
+    if program.why_not:
+        return None
     cached = ObjectCache()
     objects = [make_object(text, cached) for text in program.modules]
-    rest = _python(program.rest, slots, components, variant, form)
-    return load_native(program, objects, rest)
+    return Lanes(functions=load_lanes(program, objects), state=NativeLanes(layout, slots))
+
+
+def _emit_native(
+    code: InstructionList, slots: Names, components: Names, variant: Variant, form: StateForm,
+) -> tuple[NativeProgram, Mapping[str, Scan]]:
+    """Emit native code; return it, and the scan functions of what it leaves to Python."""
+    program = emit_native(code, slots, form.layout, variant.forced)
+    return program, _python(program.rest, slots, components, variant, form)
 
 
 Backend = Callable[

@@ -12,6 +12,7 @@ from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.runtime.assurance import Assurance, Requirement
 from ladder_ros.runtime.changes import Change, Loaded
 from ladder_ros.runtime.controller import Controller
+from ladder_ros.runtime.faster import speed_up
 from ladder_ros.runtime.preflight import (
     Comparison,
     Preflight,
@@ -69,8 +70,10 @@ class ChangeDesk:
             self._controller.load(loaded.executable)
             self._known.clear()
             self._expect(loaded)
-            return self._note(Change(
+            change = self._note(Change(
                 kind=ChangeKind.DOWNLOAD, loaded=loaded, time=self._stamp()))
+            speed_up(self._controller, loaded.executable)
+            return change
 
     def forget(self) -> None:
         """Have no program any more."""
@@ -91,6 +94,7 @@ class ChangeDesk:
             del before  # else the last reference to it would be this one
             self._expect(loaded)
             self._controller.swap(loaded.executable)
+            speed_up(self._controller, loaded.executable)
             self._tidy()
             return self._made[ChangeKind.CHANGE]
 
@@ -155,6 +159,7 @@ class ChangeDesk:
             self._expect(loaded)
             self._controller.test(
                 loaded.executable, timeout=timeout, overrun_limit=overrun_limit)
+            speed_up(self._controller, loaded.executable)
             return self._made[ChangeKind.TEST]
 
     def untest(self, reason: str) -> Change:

@@ -9,7 +9,7 @@ from dataclasses import replace
 import threading
 
 from ladder_ros.diagnostics import InternalError, LadderError, Location
-from ladder_ros.executable import Executable
+from ladder_ros.executable import Executable, Form
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.clock import Clock, MonotonicClock, rest
 from ladder_ros.runtime.exchange import Exchange
@@ -295,6 +295,11 @@ class Controller:
                     lambda: self._programs.accept(self._loaded('accepting'))):
                 raise _no_test('accepting')
 
+    def move_to(self, executable: Executable, form: Form) -> None:
+        """Let a program go on in a faster form between two scans, if it is still there."""
+        state = form.make_state(executable.initial_state())
+        self._turns.boundary(lambda: self._programs.move_to(executable, form, state))
+
     def run_shadow(self, shadow: Shadow) -> None:
         """Let another program scan along; replaces one that does so already."""
         with self._turns.request('a shadow run'):
@@ -351,9 +356,7 @@ class Controller:
             cycle = self._loaded('reading')
             return cycle.executable, list(cycle.state)
 
-    def values_of(
-        self, indices: Iterable[int],
-    ) -> tuple[Executable, tuple[Value, ...]]:
+    def values_of(self, indices: Iterable[int]) -> tuple[Executable, tuple[Value, ...]]:
         """Return the program and some of its values, of one moment between two scans."""
         wanted = tuple(indices)
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 import threading
 
+from ladder_ros.executable import Executable, Form, State
 from ladder_ros.runtime.clock import Clock
 from ladder_ros.runtime.listeners import Listeners
 from ladder_ros.runtime.online_change import Gap, SwapReport
@@ -86,6 +87,13 @@ class Exchange:
             kind=ChangeKind.UNTEST, before=tried.executable, after=trial.old.executable,
             report=report, reason=reason))
         return True
+
+    def move_to(self, executable: Executable, form: Form, state: State) -> None:
+        """Let a program go on in a faster form, in ``state``; nothing if it is not there."""
+        for cycle in (self.cycle, self.trial.old if self.trial is not None else None):
+            if cycle is not None and cycle.executable is executable:
+                cycle.move_to(form, state)
+                return
 
     def accept(self, tried: ScanCycle) -> bool:
         """End a test with the new program; say whether there was one."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 import threading
 
-from ladder_ros.executable import Executable, SlotClass
+from ladder_ros.executable import Executable, Form, SlotClass, State
 from ladder_ros.model.types import DataType, normalise, Value
 from ladder_ros.runtime.state_plan import StatePlan
 
@@ -79,16 +79,24 @@ class ProcessImage:
     Only :meth:`write` may be called while a scan runs.
     """
 
-    def __init__(self, executable: Executable) -> None:
-        """Start with the initial state, nothing pending and nothing forced."""
+    def __init__(self, executable: Executable, form: Form | None = None) -> None:
+        """Start with the initial state, nothing pending and nothing forced.
+
+        The state is as a faster form of the program has it, if there is one already.
+        """
         self._slots = executable.slots
-        self._make_state = executable.make_state
-        self.state = executable.initial_state()
+        self._make_state = form.make_state if form is not None else executable.make_state
+        self.state = self._make_state(executable.outline.initial)
         self._types: dict[int, DataType] = {}
         self._pending = PendingInputs()
         self._forces: dict[int, Value] = {}
         self._behind: dict[int, Value] = {}  # values that wait behind a force
         self._outline = executable.outline
+
+    def take_form(self, form: Form, state: State) -> None:
+        """Go on with a state of another form: ``state``, whose values do not count."""
+        state[:] = self.state
+        self.state, self._make_state = state, form.make_state
 
     def write(self, values: Iterable[Write]) -> None:
         """Give variables values before the next scan; see :meth:`PendingInputs.write`.

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ladder_ros.diagnostics import LadderError
-from ladder_ros.executable import Executable, Scan, State, Variant
+from ladder_ros.executable import Executable, Form, Scan, State, Variant
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.planner import Transition
 from ladder_ros.runtime.process_image import ProcessImage
@@ -67,6 +67,8 @@ class ScanCycle:
         With a ``timer`` tasks have statistics, and watchdogs.
         """
         self.executable = executable
+        self.form: Form | None = None
+        """The faster form in which it runs, if it has moved to one."""
         self.image = ProcessImage(executable)
         self.power: list[bool] | None = None
         self._powers: dict[str, list[bool]] = {}
@@ -131,10 +133,24 @@ class ScanCycle:
         functions = self._variants.get(variant)
         if functions is None:
             functions = self.executable.build(variant)
+            if self.form is not None:
+                functions = self.form.adapt(functions)
             while len(self._variants) >= _CACHED_VARIANTS:
                 del self._variants[next(iter(self._variants))]
             self._variants[variant] = functions
         return functions
+
+    def move_to(self, form: Form, state: State) -> None:
+        """Go on in a faster form, in ``state``, one of that form; takes little time.
+
+        Not while it scans.  What it computes stays the same.
+        """
+        self.image.take_form(form, state)
+        self._variants = {
+            variant: form.adapt(functions) for variant, functions in self._variants.items()}
+        self._variants[Variant()] = form.functions
+        self.form = form
+        self._functions = self.prepared(self.variant)
 
     def write(self, index: int, value: Value, *, catch_pulse: bool = False) -> None:
         """Give a variable a value before the next scan.  For any thread.
@@ -254,7 +270,7 @@ class ScanCycle:
 
     def go_to(self, moment: Moment) -> None:
         """Go on from a moment of this program; nothing is pending."""
-        self.image = ProcessImage(self.executable)
+        self.image = ProcessImage(self.executable, self.form)
         self.image.state[:] = moment.state
         for index, value in moment.forces.items():
             self.image.force(index, value)

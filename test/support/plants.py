@@ -1,6 +1,6 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Programs of any size that look like those of machines, for the benchmarks.
+"""Programs of any size that look like those of machines.
 
 A rung has five to seven contacts in two parallel groups, a third of them normally closed.  Of ten
 rungs one sets or resets, one in twenty ends in an on-delay, one in fifty in a counter.  Contacts
@@ -90,7 +90,7 @@ def flat_plant(count: int, seed: int = 1) -> Plant:
 def station_plant(count: int, seed: int = 1) -> Plant:
     """Make a program of ``count`` rungs in stations, which are all alike."""
     dice = random.Random(seed)
-    own = (*tuple(f'i{number}' for number in range(STATION_INPUTS)), 'common')
+    own = (*(f'i{number}' for number in range(STATION_INPUTS)), 'common')
     station = tuple(
         _rung(dice, f'q{number}' if number < STATION_OUTPUTS else f'm{number}',
               _own(dice, number, own))
@@ -145,8 +145,8 @@ def program_of(plant: Plant, name: str = 'plant') -> Program:
         rungs = [_drawn(spec, str(number + 1)) for number, spec in enumerate(plant.rungs)]
         return Program(name=name, variables=tuple(variables),
                        bodies=(Body(name='main', rungs=tuple(rungs)),))
-    outputs = [f'q{number}_{k}'
-               for k in range(plant.stations) for number in range(STATION_OUTPUTS)]
+    outputs = [f'q{number}_{k}' for k in range(plant.stations)
+               for number in range(STATION_OUTPUTS)]
     variables += [_variable(name, VariableClass.OUTPUT) for name in outputs]
     return Program(
         name=name, variables=tuple(variables), composites=(_station(plant.station),),

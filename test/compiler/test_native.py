@@ -1,0 +1,275 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Native code: every function, what is left out, and the move from one form to another."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+import math
+import random
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+import pytest
+from support.plants import flat_plant, Plant, program_of, station_plant
+from support.random_rungs import Case, cases, random_case, VALUES
+
+from compiler.agreement import assert_agreement, assert_same, executable, Machine
+from ladder_ros.blocks import FUNCTIONS
+from ladder_ros.compiler import native as native_backend
+from ladder_ros.compiler.il import Call, Instruction, InstructionList, Network, Op, Routine
+from ladder_ros.compiler.llvm_machine import make_object
+from ladder_ros.compiler.native import emit_native, load_native
+from ladder_ros.compiler.native_state import arrange, NativeState, StateForm
+from ladder_ros.compiler.pipeline import compile_program
+from ladder_ros.compiler.symbols import Literal, Ref
+from ladder_ros.executable import ARITHMETIC_ERRORS, Executable, Form, Slot, SlotClass, Variant
+from ladder_ros.model.catalogue import CATALOGUE
+from ladder_ros.model.catalogue_kinds import BlockKind, Generic
+from ladder_ros.model.types import (
+    DataType,
+    default_value,
+    INTEGER_RANGE,
+    round_real,
+    TIME_RANGE,
+    Value,
+)
+from ladder_ros.runtime.scan_cycle import ScanCycle
+
+pytest.importorskip('llvmlite', reason='native code needs llvmlite')
+
+MS = 1_000_000
+
+
+# -- functions -----------------------------------------------------------------------------------
+
+def values(type_: DataType) -> tuple[Value, ...]:
+    """Return values of a type at which something may go wrong."""
+    if type_ is DataType.BOOL:
+        return False, True
+    if type_.is_real:
+        found = (0.0, -0.0, 1.0, -1.0, 0.5, 2.5, -3.5, 3.0, 1e-3, 1e10, -1e10, 9.3e18, 1.9e19,
+                 1e30, math.inf, -math.inf, math.nan)
+        return found if type_ is DataType.LREAL else tuple(map(round_real, found))
+    low, high = TIME_RANGE if type_ is DataType.TIME else INTEGER_RANGE[type_]
+    return tuple(dict.fromkeys(
+        v for v in (low, low + 1, -7, -1, 0, 1, 2, 3, 7, 63, 64, 100, high // 3, high - 1, high)
+        if low <= v <= high))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sample:
+    """A function with the types of its inputs and of its result."""
+
+    row: BlockKind
+    type: DataType
+    inputs: tuple[DataType, ...]
+    out: DataType
+
+
+def samples() -> Iterator[Sample]:
+    """Yield every function of the catalogue at every type, but for STRING."""
+    for row in CATALOGUE.values():
+        pins = [pin for pin in row.inputs if pin.name != 'EN']
+        if not row.is_function:
+            continue
+        generic = row.generic
+        for type_ in generic.members if generic is not None else (row.base_type or DataType.BOOL,):
+            inputs = tuple(
+                type_ if isinstance(pin.type, Generic) and pin.tied else
+                DataType.INT if pin.type is Generic.ANY_INT else
+                (DataType.LREAL if 'TRUNC' in row.name else DataType.DINT)
+                if isinstance(pin.type, Generic) else pin.type for pin in pins)
+            out = row.outputs[-1].type
+            if isinstance(out, Generic):
+                out = type_
+            if DataType.STRING not in (*inputs, out):
+                yield Sample(row=row, type=type_, inputs=inputs, out=out)
+
+
+def test_functions_when_compiled_then_give_what_python_gives() -> None:
+    """All functions at all types, each a network of its own, on values at the borders."""
+    calls = list(samples())
+    assert len(calls) > 700
+    types = [DataType.LINT, *(t for c in calls for t in (*c.inputs, c.out, DataType.BOOL))]
+    slots = [Slot(index=index, path=f'v{index}' if index else ARITHMETIC_ERRORS, type=type_,
+                  slot_class=SlotClass.LOCAL, initial=default_value(type_), identity='')
+             for index, type_ in enumerate(types)]
+    names = {slot.path.casefold(): slot.index for slot in slots}
+    networks, place = [], 1
+    for number, case in enumerate(calls):
+        refs = [Ref(path=f'v{place + k}', type=types[place + k])
+                for k in range(len(case.inputs) + 2)]
+        *inputs, out, eno = refs
+        pins = [pin.name for pin in case.row.inputs if pin.name != 'EN']
+        call = Call(name=case.row.name, type=case.type,
+                    inputs=tuple(zip(pins, inputs, strict=True)),
+                    outputs=(('OUT', out), ('ENO', eno)))
+        networks.append(Network(rung=str(number), code=(
+            Instruction(op=Op.LD, operand=Literal(value=True, type=DataType.BOOL)),
+            Instruction(op=Op.FUN, call=call), Instruction(op=Op.DRP))))
+        place += len(refs)
+    code = InstructionList(routines=(Routine(name='main', networks=tuple(networks)),))
+    form = StateForm(arrange(slots))
+    program = emit_native(code, names, form.layout)
+    native_parts = sum(len(part.networks) == 0 for part in program.parts['main'])
+    left = {network.rung for part in program.parts['main'] for network in part.networks}
+    assert native_parts and len(left) < len(calls) // 4, program.why_not
+    objects = [make_object(text) for text in program.modules]
+    skip = {f'main/{k}': lambda s, now, power: None for k in range(len(program.parts['main']))}
+    scan = load_native(program, objects, skip)['main']
+    dice = random.Random(7)
+    for _ in range(60):
+        state = form([slot.initial for slot in slots])
+        wanted, place, errors = [], 1, 0
+        for number, case in enumerate(calls):
+            given = [dice.choice(values(type_)) for type_ in case.inputs]
+            for k, value in enumerate(given):
+                state[place + k] = value
+            place += len(given)
+            if str(number) not in left:
+                out, fine = FUNCTIONS[case.row.name](case.type)(*given)
+                errors += not fine
+                wanted.append((case, given, place, out, fine))
+            place += 2
+        scan(state, 0, None)
+        for case, given, at, out, fine in wanted:
+            where = f'{case.row.name} of {case.type}: {given}'
+            assert_same({'out': state[at], 'eno': state[at + 1]}, {'out': out, 'eno': fine}, where)
+        assert state[0] == errors
+
+
+# -- programs ------------------------------------------------------------------------------------
+
+@given(cases(), st.data())
+@settings(max_examples=40)
+def test_native_code_when_a_program_is_random_then_agrees_with_the_drawing(
+    case: Case, data: st.DataObject,
+) -> None:
+    slots = [slot for slot in executable(case.program).slots
+             if '%' not in slot.path and slot.slot_class is not SlotClass.SYSTEM]
+    chosen = data.draw(st.lists(st.sampled_from(slots), max_size=2, unique=True))
+    forced = {slot.path: data.draw(st.sampled_from(VALUES[slot.type])) for slot in chosen}
+    assert_agreement(case, forced, ['native'])
+
+
+# -- leaving out what cannot change --------------------------------------------------------------
+
+@pytest.mark.parametrize('plant', [flat_plant(400), station_plant(1000)], ids=['flat', 'stations'])
+def test_scans_when_little_or_much_changes_then_every_value_is_that_of_python(
+    plant: Plant, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(native_backend, 'LEAST_INSTRUCTIONS', 1000)
+    program = program_of(plant)
+    machines = [Machine(program, backend) for backend in ('python', 'native')]
+    native = machines[1]
+    dice = random.Random(3)
+    inputs = [native.index(name) for name in plant.inputs]
+    outside = [slot.index for slot in native.executable.slots if slot.type is DataType.BOOL]
+    now, executed = 0, []
+    for share in (0.0, 0.002, 0.05, 0.5, 0.002, 0.0):
+        for _ in range(60):
+            now += dice.choice((0, 1, 1, 3)) * 10 * MS
+            changed = [index for index in inputs if dice.random() < share]
+            changed += [dice.choice(outside)] * (dice.random() < 0.1)
+            for index in changed:
+                value = not machines[0].state[index]
+                for machine in machines:
+                    machine.state[index] = value
+            for machine in machines:
+                machine.run('main', now)
+            assert list(machines[0].state) == list(native.state), (share, now)
+        executed.append(chunks_executed(native.state))
+    assert min(executed) * 4 < max(executed), executed
+
+
+def chunks_executed(state: object) -> int:
+    """Return how many chunks the last scan that followed the changes has executed."""
+    import ctypes
+    assert isinstance(state, NativeState)
+    (address, _), = state._areas.values()
+    return int(ctypes.c_int64.from_address(address + 24).value)
+
+
+# -- moving between forms ------------------------------------------------------------------------
+
+def form_of(native: Executable) -> Form:
+    def adapt(functions: object) -> object:
+        return functions  # a state is a sequence: what Python runs on lists runs on it too
+
+    return Form(functions=native.build(Variant()), make_state=native.make_state,
+                adapt=adapt)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize('seed', range(12))
+def test_cycle_when_it_moves_to_native_code_between_scans_then_nothing_changes(seed: int) -> None:
+    case = random_case(random.Random(seed))
+    python, moving = (ScanCycle(compile_program(case.program).executable) for _ in range(2))
+    form = form_of(compile_program(case.program, backend='native').executable)
+    boolean = next(s for s in python.executable.slots if s.type is DataType.BOOL)
+    for number, (now, written) in enumerate(case.scans * 3):
+        if number == 2:
+            moving.move_to(form, form.make_state(moving.executable.initial_state()))
+            assert isinstance(moving.state, NativeState)
+        for cycle in (python, moving):
+            for name, value in written.items():
+                slot = cycle.executable.slot(name)
+                assert slot is not None
+                cycle.write(slot.index, value)
+            if number == 4:
+                cycle.force(boolean.index, True)
+            if number == 6:
+                cycle.observe(True)
+            if number == 8:
+                cycle.unforce(boolean.index)
+                cycle.observe(False)
+            cycle.scan(now)
+        assert list(map(repr, moving.state)) == list(map(repr, python.state)), number
+        assert moving.power == python.power
+
+
+def test_moment_when_it_is_gone_back_to_then_native_code_goes_on_from_there() -> None:
+    program = program_of(flat_plant(40))
+    cycle = ScanCycle(compile_program(program, backend='native').executable)
+    cycle.write(1, True)
+    cycle.scan(0)
+    moment, values_then = cycle.moment(), list(cycle.state)
+    cycle.write(2, True)
+    cycle.scan(10 * MS)
+    cycle.go_to(moment)
+    assert isinstance(cycle.state, NativeState)
+    assert list(cycle.state) == values_then
+    cycle.scan(10 * MS)
+
+
+# -- the state -----------------------------------------------------------------------------------
+
+def test_state_when_values_of_all_types_are_written_then_reads_them_back() -> None:
+    slots = [Slot(index=index, path=f'v{index}', type=type_, slot_class=SlotClass.LOCAL,
+                  initial=default_value(type_), identity='')
+             for index, type_ in enumerate([*DataType, *DataType])]
+    state = StateForm(arrange(slots))([slot.initial for slot in slots])
+    dice = random.Random(1)
+    for _ in range(50):
+        wanted = [dice.choice(('', 'text') if slot.type is DataType.STRING else
+                              values(slot.type)) for slot in slots]
+        if dice.random() < 0.5:
+            state[:] = wanted
+        else:
+            for index, value in enumerate(wanted):
+                state[index] = value
+        assert list(map(repr, state)) == list(map(repr, wanted))
+        assert list(map(repr, state[3:9])) == list(map(repr, wanted[3:9]))
+        assert repr(state[-1]) == repr(wanted[-1])
+
+
+def test_state_when_a_slot_is_removed_or_added_then_refuses() -> None:
+    slots = [Slot(index=0, path='v', type=DataType.INT, slot_class=SlotClass.LOCAL, initial=0,
+                  identity='')]
+    state = StateForm(arrange(slots))([5])
+    with pytest.raises(TypeError):
+        del state[0]
+    with pytest.raises(TypeError):
+        state.append(1)
+    assert list(state) == [5]
