@@ -179,26 +179,33 @@ def measure_loading(
     loads: dict[str, list[float]] = defaultdict(list)
     compiles: dict[str, list[float]] = defaultdict(list)
     was_collecting = gc.isenabled()
+    gc.collect()
+    gc.disable()  # as timeit does: whose garbage is collected when is chance
     try:
         for _ in range(runs):
             for name, read in readers.items():
-                gc.collect()
-                gc.disable()  # as timeit does: whose garbage is collected when is chance
-                start = time.perf_counter()
-                program = read()
-                resolve_symbols(program)
-                for rung in _rungs(program):
-                    if rung.wires is None:
-                        analyse_connections(rung)
-                loaded = time.perf_counter()
-                compile_program(program)
-                loads[name].append(loaded - start)
-                compiles[name].append(time.perf_counter() - start)
+                gc.collect(1)  # what the last one left, but not all that this process holds
+                load, compile_ = _time_once(read)
+                loads[name].append(load)
+                compiles[name].append(compile_)
     finally:
         if was_collecting:
             gc.enable()
     return {name: LoadTime(load=statistics.median(loads[name]),
                            compile=statistics.median(compiles[name])) for name in readers}
+
+
+def _time_once(read: Callable[[], Program]) -> tuple[float, float]:
+    """Return how long a program takes to load, and to be compiled as well."""
+    start = time.perf_counter()
+    program = read()
+    resolve_symbols(program)
+    for rung in _rungs(program):
+        if rung.wires is None:
+            analyse_connections(rung)
+    loaded = time.perf_counter()
+    compile_program(program)
+    return loaded - start, time.perf_counter() - start
 
 
 def _rungs(program: Program) -> Iterable[Rung]:

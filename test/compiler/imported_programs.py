@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from support.plcopen import element, ladder, NAMESPACE, read, variable
 
-from compiler.agreement import assert_same, Machine
+from compiler.agreement import assert_same, executable, Machine
 from ladder_ros.compiler.pipeline import BACKENDS
 from ladder_ros.model.program import Order, Program
 from ladder_ros.model.types import NS_PER_MS, Value
@@ -80,7 +80,8 @@ class Run:
     """A program in every backend, plain and observed: after each scan all variables are equal."""
 
     def __init__(self, given: Program) -> None:
-        self.machines = [Machine(given, backend, observed=observed)
+        compiled = {backend: executable(given, backend) for backend in BACKENDS}
+        self.machines = [Machine(given, backend, observed=observed, compiled=compiled[backend])
                          for backend in BACKENDS for observed in (False, True)]
 
     def scan(self, ms: int = 0, **written: Value) -> Mapping[str, Value]:

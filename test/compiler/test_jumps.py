@@ -361,7 +361,7 @@ def chains(draw: st.DrawFn) -> list[Step]:
 
 
 @given(chains(), st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=6))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 def test_jumps_when_random_then_all_backends_do_as_the_standard_says(
     steps: list[Step], scans: list[tuple[bool, bool]],
 ) -> None:
