@@ -51,7 +51,7 @@ def check_scans(program: Program, scans: list[tuple[int, dict[str, Value]]]) -> 
         assert list(map(repr, state[own])) == list(map(repr, cycle.state[own]))
 
 
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(cases())
 def test_random_program_when_followed_on_terms_then_each_scan_agrees(case: Case) -> None:
     check_scans(case.program, list(case.scans))
