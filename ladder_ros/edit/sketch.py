@@ -161,9 +161,9 @@ class Sketch:
 
     def branch_off(self, joint: int, component: Component) -> int:
         """Lead a new branch from a vertical line to the right rail, below the others there."""
-        behind = self.reached_from([joint])
+        earlier = self.reached_from([joint]) | self.reached_from([joint], backwards=True)
         vertex = self.add_component(component, 1 + max(
-            (place for place, one in enumerate(self.order) if one in behind), default=-1))
+            (place for place, one in enumerate(self.order) if one in earlier), default=-1))
         self.connect(joint, vertex)
         self.connect(vertex, RIGHT)
         return vertex

@@ -168,6 +168,20 @@ def test_component_when_all_that_keeps_the_rails_apart_then_it_is_not_deleted() 
     assert 'lines alone would join the rails' in message
 
 
+def test_output_when_added_behind_what_reads_its_variable_then_it_is_evaluated_after_it() -> None:
+    program = parse_program(b"""
+        <ladder version="1" name="behind"><variables>
+          <variable name="a" class="input" type="BOOL"/><variable name="m" type="BOOL"/>
+        </variables><body name="main"><rung id="1" width="2">
+          <contact id="c1" x="0" y="0" operand="a" down="right"/>
+          <contact id="c2" x="0" y="1" operand="m" up="right"/>
+          <row id="r1" x="1" y="0"/>
+        </rung></body></ladder>""", 'behind.xml')
+    made = apply_edit(program, AddOutput(pou='main', rung='1', target='c1', part=coil('m')))
+    by_id = {c.id: c.placement for c in rung_of(made).components}
+    assert by_id['k1'].x > by_id['c2'].x
+
+
 @pytest.mark.parametrize(('edit', 'code'), [
     (AddSeries(pou='other', rung='1', target='c1', part=contact()), 'L0621'),
     (AddSeries(pou='main', rung='3', target='c1', part=contact()), 'L0621'),
