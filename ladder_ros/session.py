@@ -16,7 +16,7 @@ from ladder_ros.background.process import COMPILER
 from ladder_ros.compiler.dump import dump_stage, STAGES
 from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
 from ladder_ros.compiler.program_to_plcopen import write_plcopen
-from ladder_ros.compiler.program_to_st import write_st
+from ladder_ros.compiler.program_to_st import write_il, write_st
 from ladder_ros.compiler.program_to_xml import write_xml
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location
 from ladder_ros.executable import Executable
@@ -136,7 +136,7 @@ def export(path: str | os.PathLike[str], to: str) -> str:
     if to == 'st':
         return write_st(program)
     if to == 'il':
-        return dump_stage(program, 'il')
+        return write_il(program)
     return write_xml(program)
 
 

@@ -9,7 +9,7 @@ ENABLE as an input and releases its timers itself when that ends.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.il import Network, Op
@@ -17,6 +17,7 @@ from ladder_ros.compiler.il_to_st import comment_line, StEmitter
 from ladder_ros.compiler.imported import needed_pous
 from ladder_ros.compiler.pipeline import analyse, build_trees, completed, lower, Stages
 from ladder_ros.compiler.st_names import Identifiers, interface, literal, Names, user_names
+from ladder_ros.compiler.st_to_iec import instruction_lines
 from ladder_ros.compiler.symbols import Operand, pou_key, Ref
 from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.model.catalogue import CATALOGUE
@@ -53,6 +54,20 @@ def write_st(program: Program) -> str:
     return '\n'.join(StWriter.of(program, named=True).text()) + '\n'
 
 
+def write_il(program: Program) -> str:
+    """Return the program as :func:`write_st` does, its bodies in the language IL.
+
+    Raises LadderError as that does.
+    """
+    writer = StWriter.of(program, named=True)
+    writer.spell = instruction_lines
+    return '\n'.join(writer.text()) + '\n'
+
+
+def _as_they_are(names: Names, lines: list[str]) -> list[str]:
+    return lines
+
+
 @dataclass(slots=True, kw_only=True)
 class StWriter:
     """Writes one program; ``composite_body`` alone is what other exports need."""
@@ -66,6 +81,8 @@ class StWriter:
     globals: Identifiers = field(default_factory=Identifiers)
     structures: dict[str, str] = field(default_factory=dict)
     type_lines: list[str] = field(default_factory=list)
+    spell: Callable[[Names, list[str]], list[str]] = _as_they_are
+    """Says the statements of a POU in the language that the file is written in."""
 
     @classmethod
     def of(
@@ -107,6 +124,7 @@ class StWriter:
     def function_block(self, composite: Composite) -> Iterator[str]:
         """Yield a composite as a FUNCTION_BLOCK."""
         names, lines = self.composite_body(composite)
+        lines = self.spell(names, lines)
         yield from _comment(composite.specification)
         yield f'FUNCTION_BLOCK {self.types.own(composite.name)}'
         sections = _Sections()
@@ -257,7 +275,7 @@ class StWriter:
             if done:
                 emitter.indent = ''
                 emitter.put('END_IF;')
-        lines = emitter.lines or nothing(names)
+        lines = self.spell(names, emitter.lines or nothing(names))
         sections = _Sections()
         for variable in self.program.variables:
             line = self.declaration(names, variable, variable.initial)

@@ -22,7 +22,7 @@ from support.random_rungs import Case, random_case, Wishes
 
 from compiler.agreement import assert_same, Machine
 from ladder_ros.compiler.program_to_plcopen import write_plcopen
-from ladder_ros.compiler.program_to_st import write_st
+from ladder_ros.compiler.program_to_st import write_il, write_st
 from ladder_ros.compiler.program_to_xml import write_xml
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import SlotClass
@@ -228,3 +228,17 @@ def test_composite_when_it_may_see_a_variable_twice_then_its_constants_are_passe
         b'<instance id="i" x="0" y="0" width="2" composite="Copy" instance="copy"'
         b' bind="first=same second=same result=out"/></rung></body></ladder>', 'p.xml')
     assert Machine(there_and_back(program, form)).scan()['out'] is True
+
+
+def test_il_when_statements_branch_loop_and_call_then_instructions_say_it() -> None:
+    text = write_il(parse_st(b"""PROGRAM p
+VAR a, b, c, q : BOOL; t : TON; n : INT; END_VAR
+IF a AND (b OR NOT c) THEN q := TRUE; END_IF;
+t(IN := a, PT := T#1s);
+WHILE n < 3 DO n := 7 / n; END_WHILE;
+END_PROGRAM""", 'p.st'))
+    body = text[:text.index('END_PROGRAM')].rpartition('END_VAR')[2].split()
+    assert ' '.join(body).startswith('LD a AND( LD b ORN c ) OR q ST q ')
+    assert 'LD T#1s ST t.PT CAL t(' in ' '.join(body)
+    assert 'L1: LD n LT INT#3 NOT JMPC L2 DIV( IN1 := INT#7, IN2 := n ) ST' in ' '.join(body)
+    assert body[-3:] == ['JMP', 'L1', 'L2:']
