@@ -158,3 +158,12 @@ def test_git_when_ladder_is_its_diff_driver_then_git_diff_speaks_ladder(tmp_path
     assert 'contact nc stop becomes contact no stop' in out
     assert '+ body main' in out
     assert 'error L0101' in out
+
+
+def test_composites_when_two_have_one_name_then_each_is_compared_with_its_own() -> None:
+    program = parsed(
+        '<ladder version="1" name="p"><composites>'
+        + ''.join(f'<composite name="C" call="enabled"><parameter name="{name}" type="BOOL"'
+                  ' direction="input"/></composite>' for name in 'ab')
+        + '</composites><body name="main"/></ladder>')
+    assert diff_programs(program, program).is_empty

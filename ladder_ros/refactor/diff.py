@@ -9,6 +9,7 @@ that was put in front of others, and a new numbering, do not make the others cha
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from enum import Enum
@@ -162,12 +163,22 @@ def _one(kind: str, name: str, old: Words, new: Words) -> Iterator[Edit]:
         yield Edit(what=What.CHANGED, kind=kind, name=name, details=details)
 
 
+def _by_name(items: Sequence[_T], name: Callable[[_T], str]) -> dict[tuple[str, int], _T]:
+    """Return things by name, and by number where a faulty program has several of one name."""
+    found: dict[tuple[str, int], _T] = {}
+    seen: Counter[str] = Counter()
+    for item in items:
+        key = name(item).casefold()
+        found[key, seen[key]] = item
+        seen[key] += 1
+    return found
+
+
 def _listed(
     kind: str, old: Sequence[_T], new: Sequence[_T], name: Callable[[_T], str],
     words: Callable[[_T], Words],
 ) -> Iterator[Edit]:
-    before = {name(item).casefold(): item for item in old}
-    after = {name(item).casefold(): item for item in new}
+    before, after = _by_name(old, name), _by_name(new, name)
     for key, item in after.items():
         if key in before:
             yield from _one(kind, name(item), words(before[key]), words(item))
@@ -242,10 +253,10 @@ def _words_of_pou(pou: Pou) -> Words:
 # -- POUs and rungs -----------------------------------------------------------------------------
 
 def _pous(kind: str, old: Sequence[Pou], new: Sequence[Pou]) -> Iterator[PouDiff]:
-    before = {pou.name.casefold(): pou for pou in old}
-    after = {pou.name.casefold() for pou in new}
-    for pou in new:
-        known = before.get(pou.name.casefold())
+    before = _by_name(old, lambda pou: pou.name)
+    after = _by_name(new, lambda pou: pou.name)
+    for key, pou in after.items():
+        known = before.get(key)
         if known is None:
             yield PouDiff(kind=kind, name=pou.name, what=What.ADDED, rungs=tuple(
                 RungEdit(what=What.ADDED, new=rung) for rung in pou.rungs))
@@ -255,8 +266,8 @@ def _pous(kind: str, old: Sequence[Pou], new: Sequence[Pou]) -> Iterator[PouDiff
             rungs=tuple(diff_rungs(known.rungs, pou.rungs)))
         if found.edits or found.rungs:
             yield found
-    for pou in old:
-        if pou.name.casefold() not in after:
+    for key, pou in before.items():
+        if key not in after:
             yield PouDiff(kind=kind, name=pou.name, what=What.REMOVED, rungs=tuple(
                 RungEdit(what=What.REMOVED, old=rung) for rung in pou.rungs))
 

@@ -242,3 +242,10 @@ END_PROGRAM""", 'p.st'))
     assert 'LD T#1s ST t.PT CAL t(' in ' '.join(body)
     assert 'L1: LD n LT INT#3 NOT JMPC L2 DIV( IN1 := INT#7, IN2 := n ) ST' in ' '.join(body)
     assert body[-3:] == ['JMP', 'L1', 'L2:']
+
+
+def test_example_when_written_in_instruction_list_then_it_is_as_shown(
+    golden: Callable[[str, str], None],
+) -> None:
+    program = read_any(ROOT / 'programs' / 'conveyor_counter.xml')
+    golden(write_il(program), 'compiler/conveyor_counter.iec.txt')
