@@ -205,6 +205,7 @@ def test_simulated_time_when_it_jumps_pauses_and_goes_back_then_scans_go_on(plc:
         return int(client.state()['scans'])
 
     show(1000)
+    until(lambda: scans() >= 1, 'the first scan')  # /clock keeps one message: the last
     show(1100)
     until(lambda: scans() >= 10, 'the first scans')
     paused = scans()
