@@ -15,6 +15,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 import difflib
+from importlib import import_module
 import io
 import json
 from pathlib import Path
@@ -23,22 +24,7 @@ from textwrap import fill
 import traceback
 
 import ladder_ros
-from ladder_ros.cli import (
-    check,
-    diff,
-    dump,
-    edit,
-    export,
-    library,
-    metrics,
-    prove,
-    record,
-    refactor,
-    replay,
-    show,
-    simulate,
-    terminal,
-)
+from ladder_ros.cli import terminal
 from ladder_ros.cli.verb import (
     add_json,
     Answer,
@@ -54,12 +40,10 @@ from ladder_ros.cli.verb import (
 )
 from ladder_ros.diagnostics import InternalError, LadderError, render
 
-VERBS: Mapping[str, Verb] = {
-    module.VERB.name: module.VERB for module in (
-        check, show, dump, simulate, export, edit, metrics, refactor, library, diff, prove, record,
-        replay)
-}
-"""The verbs by name, in the order in which they are useful."""
+VERBS = (
+    'check', 'show', 'dump', 'simulate', 'export', 'edit', 'metrics', 'refactor', 'library',
+    'diff', 'prove', 'record', 'replay')
+"""The verbs, each a module, in the order in which they are useful."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -94,7 +78,7 @@ def _run(arguments: list[str], as_json: bool) -> int:
         return _say(parsed, as_json)
     parsed.json = as_json
     try:
-        answer = VERBS[parsed.verb].run(parsed)
+        answer = _verb(parsed.verb).run(parsed)
         return _print(answer, parsed)
     except LadderError as error:
         if as_json:
@@ -165,7 +149,8 @@ def _print_json(document: Mapping[str, object]) -> None:
 
 def _parse(arguments: list[str]) -> argparse.Namespace | _Said:
     """Parse the arguments; what argparse would print while leaving the process is returned."""
-    parser = _parser()
+    # Nobody waits for the modules of verbs that are not asked for.
+    parser = _parser(arguments[:1] if arguments[:1] and arguments[0] in VERBS else VERBS)
     verb = next((word for word in arguments if not word.startswith('-')), None)
     if verb is None and not {'-h', '--help', '--version'} & set(arguments):
         return _Said(status=USAGE, text=parser.format_help())
@@ -184,17 +169,23 @@ def _parse(arguments: list[str]) -> argparse.Namespace | _Said:
         return _Said(status=status, text=printed.getvalue() or complained.getvalue())
 
 
-def _parser() -> argparse.ArgumentParser:
+def _verb(name: str) -> Verb:
+    verb: Verb = import_module(f'ladder_ros.cli.{name}').VERB
+    return verb
+
+
+def _parser(names: Sequence[str]) -> argparse.ArgumentParser:
+    known = [_verb(name) for name in names]
     parser = argparse.ArgumentParser(
         prog='ladder', allow_abbrev=False, formatter_class=argparse.RawDescriptionHelpFormatter,
         description='Check, look at and try out ladder programs; nothing here needs ROS.',
-        epilog=examples(verb.examples[0] for verb in VERBS.values())
+        epilog=examples(verb.examples[0] for verb in known)
         + '\n\nladder VERB --help tells more. Exit status: 0 fine, 1 problems, 2 usage,\n'
         '3 not decided (prove), 70 a fault of ladder itself.')
     parser.add_argument('--version', action='version', version=ladder_ros.__version__)
     add_json(parser)
     verbs = parser.add_subparsers(dest='verb', metavar='VERB', required=True)
-    for verb in VERBS.values():
+    for verb in known:
         one = verbs.add_parser(
             verb.name, help=verb.summary, description=fill(verb.description, 79),
             formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,

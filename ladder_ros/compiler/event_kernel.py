@@ -162,30 +162,14 @@ entry:
   br label %compare
 compare:
   %at = phi i64 [ 0, %entry ], [ %at_next, %compared ]
-  %at0 = add i64 %at, 0
-  %mine0_p = getelementptr i8, ptr %s, i64 %at0
-  %mine0 = load <8 x i64>, ptr %mine0_p, align 8
-  %old0_p = getelementptr i8, ptr %shadow, i64 %at0
-  %old0 = load <8 x i64>, ptr %old0_p, align 8
-  %x0 = xor <8 x i64> %mine0, %old0
-  %at1 = add i64 %at, 64
-  %mine1_p = getelementptr i8, ptr %s, i64 %at1
-  %mine1 = load <8 x i64>, ptr %mine1_p, align 8
-  %old1_p = getelementptr i8, ptr %shadow, i64 %at1
-  %old1 = load <8 x i64>, ptr %old1_p, align 8
-  %x1 = xor <8 x i64> %mine1, %old1
-  %at2 = add i64 %at, 128
-  %mine2_p = getelementptr i8, ptr %s, i64 %at2
-  %mine2 = load <8 x i64>, ptr %mine2_p, align 8
-  %old2_p = getelementptr i8, ptr %shadow, i64 %at2
-  %old2 = load <8 x i64>, ptr %old2_p, align 8
-  %x2 = xor <8 x i64> %mine2, %old2
-  %at3 = add i64 %at, 192
-  %mine3_p = getelementptr i8, ptr %s, i64 %at3
-  %mine3 = load <8 x i64>, ptr %mine3_p, align 8
-  %old3_p = getelementptr i8, ptr %shadow, i64 %at3
-  %old3 = load <8 x i64>, ptr %old3_p, align 8
-  %x3 = xor <8 x i64> %mine3, %old3
+""" + ''.join(f"""\
+  %at{n} = add i64 %at, {64 * n}
+  %mine{n}_p = getelementptr i8, ptr %s, i64 %at{n}
+  %mine{n} = load <8 x i64>, ptr %mine{n}_p, align 8
+  %old{n}_p = getelementptr i8, ptr %shadow, i64 %at{n}
+  %old{n} = load <8 x i64>, ptr %old{n}_p, align 8
+  %x{n} = xor <8 x i64> %mine{n}, %old{n}
+""" for n in range(4)) + """\
   %x01 = or <8 x i64> %x0, %x1
   %x23 = or <8 x i64> %x2, %x3
   %x = or <8 x i64> %x01, %x23
