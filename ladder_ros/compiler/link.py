@@ -136,15 +136,22 @@ def _place(network: Network, frame: _Pending) -> Network:
         new = operand(Ref(path=old, type=DataType.BOOL))
         return new.path if isinstance(new, Ref) else frame.prefix + old
 
-    start = f'{frame.path}/{network.rung}/'
-    return replace(network, code=tuple(
-        Instruction(
+    def instruction(old: Instruction) -> Instruction:
+        if old.memory is None and old.target is None and old.call is None and not old.label:
+            if old.operand is None and not old.component:
+                return old
+            return Instruction(
+                op=old.op, operand=operand(old.operand) if old.operand is not None else None,
+                component=start + old.component if old.component else '')
+        return Instruction(
             op=old.op, operand=operand(old.operand) if old.operand is not None else None,
             memory=ref(old.memory) if old.memory is not None else None,
             target=target(old.target) if old.target is not None else None,
             call=call(old.call) if old.call is not None else None, label=old.label,
             component=start + old.component if old.component else '')
-        for old in network.code))
+
+    start = f'{frame.path}/{network.rung}/'
+    return replace(network, code=tuple([instruction(old) for old in network.code]))
 
 
 def list_components(

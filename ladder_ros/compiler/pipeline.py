@@ -37,6 +37,7 @@ from ladder_ros.compiler.native import (
 from ladder_ros.compiler.native_lanes import arrange_lanes, load_lanes, NativeLanes
 from ladder_ros.compiler.native_state import StateForm
 from ladder_ros.compiler.object_cache import ObjectCache
+from ladder_ros.compiler.rung_code import code_rung
 from ladder_ros.compiler.st_to_il import lower_statements
 from ladder_ros.compiler.stub_blocks import stub_unknown_blocks
 from ladder_ros.compiler.symbols import pou_key, Symbols
@@ -101,8 +102,7 @@ def compile_program(
         raise LadderError(stages.diagnostics)
     if not program.bodies:
         raise LadderError.of('L0219', program.location)
-    forests = build_trees(program, stages)
-    code = link_code(program, {**lower(forests), **stages.texts})
+    code = link_code(program, {**code_rungs(program, stages), **stages.texts})
     verify_il(code)
     by_path = lay_out(program, stages.symbols, code)
     index = {path: slot.index for path, slot in by_path.items()}
@@ -245,6 +245,17 @@ def build_trees(
             storage = access_key(program, pou)
             trees[key] = [reduce_to_tree(aov, storage) for aov in stages.graphs[key]]
     return trees
+
+
+def code_rungs(program: Program, stages: Stages) -> dict[str, Sequence[Network]]:
+    """Return each POU's code; as ``lower(build_trees(program, stages))``."""
+    coded: dict[str, Sequence[Network]] = {}
+    for pou in _pous(program):
+        key = pou_key(pou)
+        if key in stages.graphs and not _is_inline(pou):
+            storage = access_key(program, pou)
+            coded[key] = [code_rung(aov, storage) for aov in stages.graphs[key]]
+    return coded
 
 
 def build_sequences(stages: Stages) -> dict[str, Sequence[Forest]]:
