@@ -47,7 +47,7 @@ def lay_out(program: Program, symbols: Symbols, code: InstructionList) -> Mappin
         layout.add_scope('', symbols.scopes[pou_key(program.bodies[0])])
     composites = {composite.name.casefold(): composite for composite in program.composites}
     for routine in code.routines:
-        for instruction in routine.instructions():
+        for instruction in routine.notable():
             layout.add_instruction(instruction)
             call = instruction.call
             if instruction.op is Op.RUN and call is not None:

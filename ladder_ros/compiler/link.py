@@ -55,7 +55,7 @@ def link_code(program: Program, code: Code) -> InstructionList:
             routines.append(routine)
             pending.extend(reversed([
                 _frame(instruction, composites, frame.chain)
-                for instruction in routine.instructions()
+                for instruction in routine.notable()
                 if instruction.op in (Op.EXE, Op.RUN)]))
     routines.sort(key=lambda routine: not routine.is_body)
     return InstructionList(routines=tuple(routines))
