@@ -88,7 +88,6 @@ def check_coils(
     code: InstructionList, components: Sequence[ComponentEntry],
 ) -> tuple[Diagnostic, ...]:
     """Warn of variables that several coils write in every scan (L0212)."""
-    location = {entry.path: entry.location for entry in components}
     writers: dict[str, list[tuple[str, str]]] = defaultdict(list)
     for routine in code.routines:
         for instruction in routine.instructions():
@@ -97,8 +96,12 @@ def check_coils(
                 path = instruction.operand.path
                 if not path.startswith('%T'):
                     writers[path.casefold()].append((path, instruction.component))
+    several = [coils for coils in writers.values() if len(coils) > 1]
+    if not several:
+        return ()
+    location = {entry.path: entry.location for entry in components}
     return tuple(
         problem('L0212', location[coils[1][1]], name=coils[0][0],
                 related=tuple((location[path], f'coil {path}') for _, path in coils if
                               path != coils[1][1]))
-        for coils in writers.values() if len(coils) > 1)
+        for coils in several)

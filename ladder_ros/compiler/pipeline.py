@@ -48,7 +48,17 @@ from ladder_ros.compiler.wires_to_aov import build_wired_aovs
 from ladder_ros.compiler.wiring import Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError, problem
-from ladder_ros.executable import Entry, Executable, LANES, Lanes, Scan, Slot, Variant
+from ladder_ros.executable import (
+    ComponentEntry,
+    Entry,
+    Executable,
+    LANES,
+    Lanes,
+    Later,
+    Scan,
+    Slot,
+    Variant,
+)
 from ladder_ros.garbage import collected_later
 from ladder_ros.model.program import Body, CallKind, Pou, Program, RunKind
 
@@ -106,8 +116,7 @@ def compile_program(
     verify_il(code)
     by_path = lay_out(program, stages.symbols, code)
     index = {path: slot.index for path, slot in by_path.items()}
-    components = list_components(program, code, stages.graphs, by_path)
-    component_index = {entry.path: entry.index for entry in components}
+    components = Later(lambda: list_components(program, code, stages.graphs, by_path))
     tasks = list_tasks(program, by_path)
     slots = tuple(dict.fromkeys(by_path.values()))
     form = StateForm(layout_of(code, slots, index)) if backend == 'native' else None
@@ -116,7 +125,7 @@ def compile_program(
         chosen = code
         if variant.observed:
             chosen = link_code(program, {**lower(build_sequences(stages)), **stages.texts})
-        return by(chosen, index, component_index, variant, form)
+        return by(chosen, index, components, variant, form)
 
     executable = Executable(
         name=program.name, backend=backend, slots=slots, make_state=form or list,
@@ -130,7 +139,7 @@ def compile_program(
         diagnostics=missing + stages.diagnostics + check_coils(code, components),
         first=build if form is None else lambda variant: build(variant, _python),
         native=None if form is None else lambda: _emit_native(
-            code, index, component_index, Variant(), form))
+            code, index, components, Variant(), form))
 
 
 def _available(program: Program, backend: str) -> tuple[str, tuple[Diagnostic, ...]]:
@@ -300,27 +309,36 @@ def _in_order(found: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
 
 # -- backends -------------------------------------------------------------------------------
 
-Names = Mapping[str, int]
-"""Indices by name: slots by casefolded path, components by path."""
+Slots = Mapping[str, int]
+"""Indices by casefolded path."""
+
+Components = Sequence[ComponentEntry]
+"""What power flow is observed of."""
 
 
 def _python(
-    code: InstructionList, slots: Names, components: Names, variant: Variant,
+    code: InstructionList, slots: Slots, components: Components, variant: Variant,
     form: StateForm | None,
 ) -> Mapping[str, Scan]:
-    source = emit_python(code, slots, components, observed=variant.observed, forced=variant.forced)
+    source = emit_python(
+        code, slots, _indices(components) if variant.observed else {},
+        observed=variant.observed, forced=variant.forced)
     return load_python(source, '<ladder program>')
 
 
 def _interpreter(
-    code: InstructionList, slots: Names, components: Names, variant: Variant,
+    code: InstructionList, slots: Slots, components: Components, variant: Variant,
     form: StateForm | None,
 ) -> Mapping[str, Scan]:
-    return interpret_il(code, slots, components, variant.forced)
+    return interpret_il(code, slots, _indices(components), variant.forced)
+
+
+def _indices(components: Components) -> Mapping[str, int]:
+    return {entry.path: entry.index for entry in components}
 
 
 def _native(
-    code: InstructionList, slots: Names, components: Names, variant: Variant,
+    code: InstructionList, slots: Slots, components: Components, variant: Variant,
     form: StateForm | None,
 ) -> Mapping[str, Scan]:
     assert form is not None
@@ -333,7 +351,7 @@ def _native(
         program, [make_object(text, cached) for text in program.modules], rest)
 
 
-def _lanes(code: InstructionList, index: Names, slots: Sequence[Slot]) -> Lanes | None:
+def _lanes(code: InstructionList, index: Slots, slots: Sequence[Slot]) -> Lanes | None:
     """Return many copies of a program, or None if that is impossible."""
     layout = arrange_lanes(slots)
     program = emit_native(code, index, layout, lanes=LANES)
@@ -345,7 +363,7 @@ def _lanes(code: InstructionList, index: Names, slots: Sequence[Slot]) -> Lanes 
 
 
 def _emit_native(
-    code: InstructionList, slots: Names, components: Names, variant: Variant, form: StateForm,
+    code: InstructionList, slots: Slots, components: Components, variant: Variant, form: StateForm,
 ) -> tuple[NativeProgram, Mapping[str, Scan]]:
     """Emit native code; return it, and the scan functions of what it leaves to Python."""
     program = emit_native(code, slots, form.layout, variant.forced)
@@ -353,7 +371,7 @@ def _emit_native(
 
 
 Backend = Callable[
-    [InstructionList, Names, Names, Variant, 'StateForm | None'], Mapping[str, Scan]]
+    [InstructionList, Slots, Components, Variant, 'StateForm | None'], Mapping[str, Scan]]
 
 BACKENDS: Mapping[str, Backend] = {
     'python': _python, 'interpreter': _interpreter, 'native': _native}
