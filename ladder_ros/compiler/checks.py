@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from ladder_ros.compiler.il import InstructionList, Op
+from ladder_ros.compiler.il import InstructionList
 from ladder_ros.compiler.inline_composites import LIMIT
 from ladder_ros.compiler.symbols import Ref
 from ladder_ros.diagnostics import Diagnostic, problem
@@ -71,9 +71,9 @@ def check_size(program: Program) -> tuple[Diagnostic, ...]:
 def _size(pou: Pou, sizes: Mapping[str, _Size], composites: Mapping[str, Composite]) -> _Size:
     components = instances = depth = 0
     for rung in pou.rungs:
+        components += len(rung.components)
         for component in rung.components:
-            components += 1
-            if isinstance(component, Instance):
+            if type(component) is Instance:
                 name = component.composite.casefold()
                 if name not in sizes:  # a program that is drawn as a block; reported later
                     continue
@@ -90,8 +90,8 @@ def check_coils(
     """Warn of variables that several coils write in every scan (L0212)."""
     writers: dict[str, list[tuple[str, str]]] = defaultdict(list)
     for routine in code.routines:
-        for instruction in routine.instructions():
-            if instruction.op in (Op.ST, Op.STN, Op.STP, Op.STF) and instruction.component:
+        for network in routine.networks:
+            for instruction in network.coils:
                 assert isinstance(instruction.operand, Ref)
                 path = instruction.operand.path
                 if not path.startswith('%T'):

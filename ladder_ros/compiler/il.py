@@ -98,6 +98,7 @@ class Op(Enum):
 LOADS = frozenset({Op.LD, Op.LDN, Op.LDP, Op.LDF})
 EDGES = frozenset({Op.LDP, Op.LDF, Op.ANDP, Op.ANDF, Op.ORP, Op.ORF, Op.STP, Op.STF})
 STORES = frozenset({Op.ST, Op.STN, Op.S, Op.R, Op.STP, Op.STF})
+ALWAYS_WRITE = frozenset({Op.ST, Op.STN, Op.STP, Op.STF})
 CONTROL = frozenset({Op.IF, Op.ELSE, Op.FI, Op.LOOP, Op.BRK, Op.POOL, Op.RET, Op.JMP})
 BARE = CONTROL - {Op.JMP} | {
     Op.ANB, Op.ORB, Op.MPS, Op.MRD, Op.MPP, Op.LRD, Op.LPP, Op.DRP, Op.NOT}
@@ -147,9 +148,13 @@ class Network:
     labels: tuple[str, ...] = ()
     notable: tuple[Instruction, ...] = field(init=False, compare=False, repr=False)
     """Those instructions that do more than look at or write a variable, which most do not."""
+    coils: tuple[Instruction, ...] = field(init=False, compare=False, repr=False)
+    """Those that write a variable whatever power is."""
 
     def __post_init__(self) -> None:
-        """Find what is notable."""
+        """Find what is notable, and the coils."""
+        object.__setattr__(self, 'coils', tuple([
+            i for i in self.code if i.op in ALWAYS_WRITE and i.component]))
         object.__setattr__(self, 'notable', tuple([
             i for i in self.code if i.call is not None or i.memory is not None
             or i.target is not None or i.label or (

@@ -33,13 +33,20 @@ _MEMORY_NEEDS = frozenset({Op.MRD, Op.MPP, Op.LRD, Op.LPP})
 _MEMORY_CHANGE = {Op.MPS: 1, Op.MPP: -1, Op.LPP: -1}
 
 
-def verify_il(program: InstructionList) -> None:
-    """Raise InternalError if the program breaks a rule of the machine."""
+def verify_il(program: InstructionList, sound: InstructionList | None = None) -> None:
+    """Raise InternalError if the program breaks a rule of the machine.
+
+    Networks without labels that are part of another program, which is ``sound``, are passed over.
+    """
+    known = set() if sound is None else {
+        id(network) for routine in sound.routines for network in routine.networks}
     for routine in program.routines:
         labels = routine.labels()
         if sum(len(network.labels) for network in routine.networks) != len(labels):
             raise InternalError('il', 'a label names two networks', Location(pou=routine.name))
         for network in routine.networks:
+            if id(network) in known and not labels:
+                continue
             if network.notable or not _is_sound(tuple([_form(i) for i in network.code])):
                 _verify_network(routine.name, network, labels)
 

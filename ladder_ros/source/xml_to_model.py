@@ -392,12 +392,12 @@ class _Reader:
         x, y = attributes.get('x', ''), attributes.get('y', '')
         if grammar.NUMBER.fullmatch(x) and grammar.NUMBER.fullmatch(y):
             self.form.cell = (int(x), int(y))
+        # A vertical line stands on a grid line and covers no cell.
+        width = 0 if element.tag == 'column' else self.form.size(element, 'width')
+        height = self.form.size(element, 'height')
         return Placement(
             x=self.form.number(element, 'x'), y=self.form.number(element, 'y'),
-            # A vertical line stands on a grid line and covers no cell.
-            width=0 if element.tag == 'column' else self.form.size(element, 'width'),
-            height=self.form.size(element, 'height'),
-            up=self.form.word(element, 'up', Side.NONE),
+            width=width, height=height, up=self.form.word(element, 'up', Side.NONE),
             down=self.form.word(element, 'down', Side.NONE))
 
     def placed(self, element: Element) -> Component:
