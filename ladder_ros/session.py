@@ -19,7 +19,7 @@ from ladder_ros.compiler.program_to_plcopen import write_plcopen
 from ladder_ros.compiler.program_to_st import write_il, write_st
 from ladder_ros.compiler.program_to_xml import write_xml
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location
-from ladder_ros.executable import Executable
+from ladder_ros.executable import Executable, Variant
 from ladder_ros.model.types import Value
 from ladder_ros.proving_process import ProverProcess
 from ladder_ros.runtime.assurance import Assurance, Requirement
@@ -53,7 +53,7 @@ from ladder_ros.runtime.statistics import Statistics
 from ladder_ros.runtime.trace_csv import format_rows, InputTable
 from ladder_ros.runtime.trial import ChangeKind, DEFAULT_OVERRUN_LIMIT, DEFAULT_TIMEOUT
 from ladder_ros.runtime.values import format_value, parse_value
-from ladder_ros.source.read_any import file_hash, openplc_folder, read_with_source
+from ladder_ros.source.read_any import again_from, file_hash, openplc_folder, read_with_source
 from ladder_ros.source.xml_tree import read_file
 
 __all__ = [
@@ -143,7 +143,11 @@ def export(path: str | os.PathLike[str], to: str) -> str:
 def compile_file(path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -> Loaded:
     """Compile a program file.  Raises LadderError with every error that was found."""
     program, source_hash, source = read_with_source(path)
-    compilation = compile_program(program, backend=backend, source_hash=source_hash)
+    again = again_from(program, source, os.fspath(path)) if backend == DEFAULT_BACKEND else None
+    compilation = compile_program(
+        program, backend=backend, source_hash=source_hash, again=again)
+    if again is not None:
+        compilation.first(Variant())  # while the work that this needs is there
     return Loaded(
         path=os.fspath(path), name=program.name, source_hash=source_hash, source=source,
         executable=compilation.executable, diagnostics=compilation.diagnostics)

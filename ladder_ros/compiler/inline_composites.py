@@ -19,7 +19,7 @@ from ladder_ros.compiler.wiring import Rail
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.component import Instance
 
-LIMIT = 200_000
+LIMIT = 1_000_000
 """Most components that a program may have when its composites are put in."""
 
 

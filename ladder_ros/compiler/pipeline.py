@@ -8,7 +8,8 @@ components -> connections -> AOV graph -> AND/OR tree -> instruction list -> exe
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TypeVar
 from weakref import ref
 
@@ -73,7 +74,8 @@ class Stages:
     """What each stage made of a program, by POU key; a rung each."""
 
     symbols: Symbols
-    wirings: Mapping[str, Sequence[Wiring]]
+    wirings: Mapping[str, Sequence[Wiring | None]]
+    """None for a rung whose graph is taken over from an earlier compilation."""
     graphs: Mapping[str, Sequence[Aov]]
     texts: Mapping[str, Sequence[Network]]
     """The code of Structured Text bodies, which have no graphs."""
@@ -82,8 +84,8 @@ class Stages:
     """The rungs, by ``id``, whose drawings something was said about."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Work:
+@dataclass(frozen=True, kw_only=True)
+class Work:  # without slots, as it is referred to weakly
     """What was made on the way to an executable; a later compilation takes over what it can.
 
     ``coded`` is the code of each POU's rungs, by POU key, which ``linked`` puts together.
@@ -117,38 +119,41 @@ class Compilation:
 @collected_later()
 def compile_program(
     program: Program, *, backend: str = 'python', source_hash: str = '', stubs: bool = False,
-    earlier: Work | None = None,
+    earlier: Work | None = None, again: Callable[[], Program] | None = None,
 ) -> Compilation:
     """Compile a program; ``source_hash`` identifies the file it came from.
 
     With ``stubs`` an unknown block of an imported drawing gets a stand-in instead of an error.
     ``earlier`` is a compilation's work: rungs that are the same objects in both programs, as an
     edit leaves them, are not compiled again where the names they use mean what they meant.
+    ``again`` gives the program once more: then the executable keeps nothing that scans do not
+    need, and what else is asked of it, other variants too, is compiled then.
 
     Raises LadderError with every error that was found; L0504 for an unknown backend.
     """
     if backend not in BACKENDS:
         raise LadderError.of('L0504', program.location, name=backend, known=', '.join(BACKENDS))
     backend, missing = _available(program, backend)
-    program = completed(program, stubs=stubs)
+    completely = partial(completed, stubs=stubs)
+    program = completely(program)
     work = _work(program, earlier)
     code, symbols = work.linked.code, work.stages.symbols
     by_path = lay_out(program, symbols, code, work.variables)
     index = {path: slot.index for path, slot in by_path.items()}
-    components = Later(lambda: list_components(program, code, work.stages.graphs, by_path))
     tasks = list_tasks(program, by_path)
     slots = tuple({id(slot): slot for slot in by_path.values()}.values())
     form = StateForm(layout_of(code, slots, index)) if backend == 'native' else None
-    builder = _Builder(program=program, stages=work.stages, code=code, slots=index,
-                       components=components, form=form, emitted=ref(work.emitted))
+    builder = _Builder(by_path, form, work, partial(_once_more, again, completely) if (
+        again is not None) else None)
+    components = Later(builder.components)
     executable = Executable(
         name=program.name, backend=backend, slots=slots, make_state=form or list,
         components=components, source_hash=source_hash,
         build=lambda variant: builder.build(variant, BACKENDS[backend]),
         entries=tuple(_entry(program, body) for body in program.bodies), by_path=by_path,
-        tasks=tasks, rungs=Later(lambda: list_rungs(program)),
+        tasks=tasks, rungs=Later(lambda: list_rungs(builder.work().program)),
         routines=list_routines(code, index),
-        lanes=None if form is None else lambda: _lanes(code, index, slots))
+        lanes=None if form is None else lambda: builder.lanes(slots))
     return Compilation(
         executable=executable, work=work,
         diagnostics=missing + work.stages.diagnostics + check_coils(code, components),
@@ -164,6 +169,7 @@ def _work(program: Program, earlier: Work | None) -> Work:
         raise LadderError(stages.diagnostics)
     if not program.bodies:
         raise LadderError.of('L0219', program.location)
+    stages = replace(stages, wirings={})  # nothing needs them any more
     coded = {**code_rungs(program, stages, earlier), **stages.texts}
     linked = link_code(program, coded, earlier.linked if earlier is not None else None)
     verify_il(linked.code, earlier.linked.code if earlier is not None else None)
@@ -173,32 +179,68 @@ def _work(program: Program, earlier: Work | None) -> Work:
         emitted=Emitted(earlier.emitted.pieces if earlier is not None else None))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Builder:
-    """Builds the variants of a program.
+def _once_more(
+    again: Callable[[], Program], completely: Callable[[Program], Program],
+) -> Work:
+    return _work(completely(again()), None)
 
-    ``emitted`` are the functions of its plain form, as long as somebody keeps the program's work.
+
+class _Builder:
+    """Builds the variants of a program, and what else its work is needed for.
+
+    Where the work can be done again it is not kept, until somebody asks for it.
     """
 
-    program: Program
-    stages: Stages
-    code: InstructionList
-    slots: Slots
-    components: Components
-    form: StateForm | None
-    emitted: ref[Emitted]
+    def __init__(
+        self, by_path: Mapping[str, Slot], form: StateForm | None, work: Work,
+        again: Callable[[], Work] | None,
+    ) -> None:
+        self._by_path = by_path
+        self._form = form
+        self._weak = ref(work)
+        self._again = again
+        self._kept = None if again is not None else work
+        self._plain: Mapping[str, Scan] | None = None
+
+    def work(self) -> Work:
+        """Return the program's work; from then on it is kept, unless somebody else does."""
+        work = self._kept or self._weak()
+        if work is None:
+            assert self._again is not None
+            work = self._kept = self._again()
+        return work
+
+    def components(self) -> Sequence[ComponentEntry]:
+        work = self.work()
+        return list_components(
+            work.program, work.linked.code, work.stages.graphs, self._by_path)
 
     def build(self, variant: Variant, backend: Backend) -> Mapping[str, Scan]:
-        code = self.code
+        if variant != Variant() or backend is not _python:
+            return self._build(variant, backend)
+        if self._plain is None:
+            self._plain = self._build(variant, backend)
+        return self._plain
+
+    def _build(self, variant: Variant, backend: Backend) -> Mapping[str, Scan]:
+        work = self.work()
+        code = work.linked.code
         if variant.observed:
-            code = link_code(self.program, {
-                **lower(build_sequences(self.stages)), **self.stages.texts}).code
-        emitted = self.emitted() if variant == Variant() else None
-        return backend(code, self.slots, self.components, variant, self.form, emitted)
+            code = link_code(work.program, {
+                **lower(build_sequences(work.stages)), **work.stages.texts}).code
+        return backend(code, self._slots(), Later(self.components), variant, self._form,
+                       work.emitted if variant == Variant() else None)
 
     def native(self) -> tuple[NativeProgram, Mapping[str, Scan]]:
-        assert self.form is not None
-        return _emit_native(self.code, self.slots, self.components, Variant(), self.form)
+        assert self._form is not None
+        return _emit_native(self.work().linked.code, self._slots(), Later(self.components),
+                            Variant(), self._form)
+
+    def lanes(self, slots: Sequence[Slot]) -> Lanes | None:
+        return _lanes(self.work().linked.code, self._slots(), slots)
+
+    def _slots(self) -> Slots:
+        return {path: slot.index for path, slot in self._by_path.items()}
 
 
 def _available(program: Program, backend: str) -> tuple[str, tuple[Diagnostic, ...]]:
@@ -237,7 +279,7 @@ def analyse(program: Program, earlier: Work | None = None) -> Stages:
     symbols, found = resolve_symbols(
         program, None if earlier is None else (earlier.program, earlier.stages.symbols))
     found = program.warnings + found
-    wirings: dict[str, Sequence[Wiring]] = {}
+    wirings: dict[str, Sequence[Wiring | None]] = {}
     noted: set[int] = set()
     for pou in _pous(program):
         if is_imported(pou):
@@ -245,7 +287,7 @@ def analyse(program: Program, earlier: Work | None = None) -> Stages:
         key = pou_key(pou)
         same = _Same.of(earlier, symbols, key)
         wirings[key], wrong = _collect(noted, (
-            (rung, (same.wirings[place], ()) if (place := same.place(rung)) is not None else
+            (rung, (None, ()) if same.place(rung) is not None else
              analyse_connections(rung, ends_in_output=not _is_inline(pou)))
             for rung in pou.rungs))
         if _is_inline(pou) and not pou.rungs:
@@ -287,7 +329,7 @@ def _lower_imported(
 
 
 def _build_graphs(
-    program: Program, symbols: Symbols, wirings: Mapping[str, Sequence[Wiring]],
+    program: Program, symbols: Symbols, wirings: Mapping[str, Sequence[Wiring | None]],
     noted: set[int], earlier: Work | None,
 ) -> tuple[dict[str, Sequence[Aov]], tuple[Diagnostic, ...]]:
     graphs: dict[str, Sequence[Aov]] = {}
@@ -305,6 +347,8 @@ def _build_graphs(
             if place is not None and not _uses(rung, inline):
                 made.append(same.graphs[place])
                 continue
+            if wiring is None:
+                wiring, _ = analyse_connections(rung, ends_in_output=not _is_inline(pou))
             aov, wrong = build_aov(wiring, symbols.of_rung(key, rung.id))
             if wrong:
                 noted.add(id(rung))
@@ -328,11 +372,10 @@ class _Same:
 
     def __init__(
         self, places: Mapping[int, int], noted: Container[int] = (),
-        wirings: Sequence[Wiring] = (), graphs: Sequence[Aov] = (),
+        graphs: Sequence[Aov] = (),
     ) -> None:
         self._places = places
         self._noted = noted
-        self.wirings = wirings
         self.graphs = graphs
 
     @classmethod
@@ -341,7 +384,7 @@ class _Same:
         if earlier is None or key not in symbols.same:
             return cls({})
         stages = earlier.stages
-        return cls(symbols.same[key], stages.noted, stages.wirings[key], stages.graphs[key])
+        return cls(symbols.same[key], stages.noted, stages.graphs[key])
 
     def place(self, rung: Rung) -> int | None:
         """Return the place of a rung among the POU's then; None: it has to be compiled."""

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 import hashlib
 import os
 from pathlib import Path
@@ -82,6 +84,18 @@ def folder_hash(folder: Path) -> str:
         digest.update(os.fsencode(file.relative_to(folder)) + b'\0%d\0' % len(data))
         digest.update(data)
     return digest.hexdigest()
+
+
+def again_from(
+    program: Program, data: bytes, file: str,
+) -> Callable[[], Program] | None:
+    """Return what reads a program again from the bytes that it came from.
+
+    None where other files take part, which may not be there any more as they were.
+    """
+    if program.dialect != 'native' or program.uses or not data:
+        return None
+    return partial(parse_any, data, file)
 
 
 def read_with_source(path: str | os.PathLike[str]) -> tuple[Program, str, bytes]:
