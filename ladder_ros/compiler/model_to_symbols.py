@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 import re
 
 from ladder_ros.compiler.resolve_rung import RungResolver, suggestion
@@ -40,6 +41,9 @@ from ladder_ros.model.program import (
 
 NAME = re.compile(r'[A-Za-z_][A-Za-z0-9_]*$')
 IDENTIFIER = re.compile(r'[A-Za-z0-9_]+$')
+
+_DEFINITIONS = 256
+"""So many definitions from libraries are resolved once, whoever uses them."""
 
 
 def resolve_symbols(
@@ -90,18 +94,33 @@ class _Resolver:
                 self.report('L0215', body.location, name=body.task, hint=suggestion(
                     body.task, (task.name for task in program.tasks)))
         ordered = self._order_composites()
-        scopes: dict[str, Scope] = {}
-        for composite in program.composites:
-            scopes[f'composite {composite.name.casefold()}'] = self._composite_scope(composite)
+        known = {id(composite): names for composite in program.composites
+                 if (names := self._known_names(composite)) is not None}
+        scopes = {
+            pou_key(c): known[id(c)].scope if id(c) in known else self._composite_scope(c)
+            for c in program.composites}
         shared = self._program_scope()
         for body in program.bodies:
             scopes[f'body {body.name.casefold()}'] = replace(shared, pou=body.name)
         pous: list[Pou] = [*program.composites, *program.bodies]
         same = {} if self.before is None else same_rungs(*self.before, program, scopes)
         for pou in pous:
-            self._resolve_pou(pou, scopes[pou_key(pou)], same.get(pou_key(pou), {}))
+            if id(pou) in known:
+                self.resolved.update(known[id(pou)].resolved)
+            else:
+                self._resolve_pou(pou, scopes[pou_key(pou)], same.get(pou_key(pou), {}))
         return Symbols(scopes=scopes, resolved=self.resolved, composites=ordered, same=same,
                        noted=frozenset(self.noted))
+
+    def _known_names(self, composite: Composite) -> _Names | None:
+        """Return the names of a definition from a library if they have been found out before."""
+        if not composite.library or composite.externals or self.imported:
+            return None
+        inner = {key: self.composites[key] for i in _instances(composite)
+                 if (key := i.composite.casefold()) in self.composites}
+        return _names_of(_Definition(
+            ids=(id(composite), *(id(definition) for definition in inner.values())),
+            composite=composite, inner=inner))
 
     def _unique(
         self, names: Iterable[tuple[str, Location]], taken: dict[str, Location] | None = None,
@@ -272,6 +291,34 @@ class _Resolver:
             self.resolved[key, rung.id.casefold()] = found
             if len(self.found) > before:
                 self.noted.add(id(rung))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Names:
+    """What the names in a definition mean."""
+
+    scope: Scope
+    resolved: Mapping[tuple[str, str], Mapping[str, Resolved]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Definition:
+    """A composite and those that it contains, told by being the same objects."""
+
+    ids: tuple[int, ...]
+    composite: Composite = field(compare=False)
+    inner: Mapping[str, Composite] = field(compare=False)
+
+
+@lru_cache(_DEFINITIONS)
+def _names_of(definition: _Definition) -> _Names | None:
+    """Resolve a definition, which sees nothing of a program; None if something is wrong in it."""
+    resolver = _Resolver(
+        program=Program(name='', bodies=()), composites=dict(definition.inner))
+    composite = definition.composite
+    scope = resolver._composite_scope(composite)
+    resolver._resolve_pou(composite, scope, {})
+    return None if resolver.found else _Names(scope=scope, resolved=resolver.resolved)
 
 
 def _instances(composite: Composite) -> Iterable[Instance]:
