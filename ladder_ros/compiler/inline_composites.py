@@ -151,7 +151,17 @@ class _Expander:
             self.aov,
             symbols=tuple(replace(s, id=number[s.id]) for s in self.symbols),
             virtuals=tuple(replace(v, id=number[v.id]) for v in kept),
-            arcs=tuple(arcs), likeness=None)
+            arcs=tuple(arcs), likeness=self._likeness())
+
+    def _likeness(self) -> object:
+        """Return what is the same for graphs that are alike, into which alike graphs are put."""
+        found: list[object] = [self.aov.likeness]
+        for symbol in self.aov.symbols:
+            if _is_inline(symbol, self.bodies):
+                assert isinstance(symbol.component, Instance)
+                bodies = self.bodies[symbol.component.composite.casefold()]
+                found += [symbol.id, len(bodies), *(body.likeness for body in bodies)]
+        return None if None in found else tuple(found)
 
 
 def _renamed(

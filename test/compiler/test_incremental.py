@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 from random import Random
+from weakref import ref
 
 from edit.random_edits import random_edit
 from hypothesis import given, settings
@@ -179,3 +180,31 @@ def test_variable_when_it_becomes_a_constant_then_rungs_that_write_it_are_wrong(
     with pytest.raises(LadderError) as caught:
         compile_program(changed, earlier=work)
     assert [d.code for d in caught.value.diagnostics] == ['L0211']
+
+
+@pytest.mark.parametrize('path', PROGRAMS, ids=lambda path: path.stem)
+def test_work_when_it_is_let_go_then_what_else_is_asked_for_is_compiled_again(path: Path) -> None:
+    program = read_program(path)
+    calls: list[str] = []
+    kept = compile_program(program).executable
+    compilation = compile_program(
+        program, again=lambda: (calls.append('again'), read_program(path))[1])
+    compilation.executable.build(Variant())
+    executable = compilation.executable
+    work = ref(compilation.work)
+    del compilation
+    assert work() is None
+    executable.build(Variant())
+    assert calls == []
+    assert_alike(executable, kept, Random(1))
+    assert calls == ['again']
+    for variant in (Variant(observed=True), Variant(forced=frozenset({1, 2}))):
+        states = []
+        for one in (executable, kept):
+            state, power = one.initial_state(), [False] * len(one.components)
+            for number in range(4):
+                for entry in one.entries:
+                    one.build(variant)[entry.name](state, number * STEP, power)
+            states.append((state, power))
+        assert states[0] == states[1]
+    assert calls == ['again']
