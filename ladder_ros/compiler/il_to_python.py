@@ -42,6 +42,9 @@ from ladder_ros.executable import Scan
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.types import default_value, Value
 
+_CONTACTS = {Op(base + mode): (base, mode)
+             for base in ('LD', 'AND', 'OR') for mode in ('', 'N', 'P', 'F')}
+"""How each contact acts, and on what of its variable."""
 _LONGEST_EXPRESSION = 1000
 _DEEPEST_EXPRESSION = 12
 
@@ -422,8 +425,7 @@ class _Emitter:
 
     def _instruction(self, instruction: Instruction, is_last: bool) -> None:
         op = instruction.op
-        name = op.value
-        if name[:2] in ('LD', 'AN', 'OR') and instruction.operand is not None:
+        if op in _CONTACTS:
             self._contact(instruction)
         elif op is Op.ANB or op is Op.ORB:
             right = self.stack.pop()
@@ -454,18 +456,16 @@ class _Emitter:
     def _contact(self, instruction: Instruction) -> None:
         assert instruction.operand is not None
         value = self._read(instruction.operand)
-        mode = instruction.op.value[2:] if instruction.op.value[:2] != 'AN' else (
-            instruction.op.value[3:])
+        base, mode = _CONTACTS[instruction.op]
         if mode == 'N':
             value = _Value(text=f'not {value.text}', reads=value.reads)
         elif mode in ('P', 'F'):
             value = self._edge(instruction, value.text, mode)
-        base = instruction.op.value[:2]
         if base == 'LD':
             self.stack.append(value)
         else:
             self.stack[-1] = self._combine(
-                self.stack[-1], value, 'and' if base == 'AN' else 'or')
+                self.stack[-1], value, 'and' if base == 'AND' else 'or')
 
     def _edge(self, instruction: Instruction, now: str, mode: str) -> _Value:
         """Detect an edge at once: it must be seen in every scan, whatever power does.

@@ -20,9 +20,9 @@ from ladder_ros.compiler.il import Network, Routine
 from ladder_ros.executable import Scan
 
 FILE = '<ladder program>'
-_LEAST_NETWORKS, _MOST_NETWORKS = 20, 200
+_LEAST_NETWORKS, _MOST_NETWORKS = 10, 100
 """Networks of a function, where there are so many."""
-_CUTS = 50
+_CUTS = 40
 """One rung of so many ends a function that is long enough."""
 
 
