@@ -277,15 +277,19 @@ class Session:
             backend = before.backend if before else DEFAULT_BACKEND
         # What is compiled here leaves much behind, which is freed in one go when it is replaced.
         runs = self._is_real or self.state is ControllerState.RUNNING
-        if not (self._background and runs) or openplc_folder(os.fspath(path)) is not None:
+        if not (self._background and runs):
             return compile_file(path, backend)
-        data = read_file(path)
-        source_hash = file_hash(data, os.fspath(path))
-        if before is not None and (before.source_hash, before.backend) == (source_hash, backend):
-            return Loaded(path=os.fspath(path), name=before.name, source_hash=source_hash,
-                          executable=before.executable, diagnostics=before.diagnostics,
-                          source=data)
         with giving_way(self.interval_ns):
+            self._controller.breathe()
+            if openplc_folder(os.fspath(path)) is not None:
+                return compile_file(path, backend)
+            data = read_file(path)
+            source_hash = file_hash(data, os.fspath(path))
+            if before is not None and (
+                    before.source_hash, before.backend) == (source_hash, backend):
+                return Loaded(path=os.fspath(path), name=before.name, source_hash=source_hash,
+                              executable=before.executable, diagnostics=before.diagnostics,
+                              source=data)
             compilation = COMPILER.compile(
                 data, os.fspath(path), backend=backend, timeout=timeout_s,
                 breathe=self._controller.breathe)
