@@ -17,7 +17,8 @@ layout, ``other`` to one with one variable and one rung more.
 beside another process that computes at a low priority, while programs are compiled for it and put
 in place without a break, and while compiled ones are; in turns, to meet the same machine.  Missed
 is a scan that is not over when the next is due, or that was left out, as the session counts them.
-It ends with the difference to the neighbour, round by round.
+A late scan may have been kept by what this process does for a change; it tells how many were late
+while it did anything but wait.  It ends with the difference to the neighbour, round by round.
 
 ``--soak`` swaps ever so often under a load of written inputs, and tells scans, gaps, memory and
 whether an output that both programs hold at TRUE was ever told to be something else.
@@ -37,6 +38,7 @@ from operator import sub
 from pathlib import Path
 import platform
 from statistics import mean, median, stdev
+import sys
 import tempfile
 import threading
 import time
@@ -193,6 +195,26 @@ def measure(folder: Path, rungs: int, interval: int, swaps: int) -> Iterator[Row
         yield from results.values()
 
 
+class Culprit:
+    """Listens to scans: counts those that were over too late while this process was at work.
+
+    That is, while the thread that changes programs was not waiting for the other process, for the
+    scan thread or for the time to pass.
+    """
+
+    WAITING = ('wait', '_wait', 'neighbour')
+
+    def __init__(self) -> None:
+        self._thread = threading.get_ident()
+        self.late = self.own = 0
+
+    def __call__(self, result: ScanResult) -> None:
+        if time.monotonic_ns() - result.now > MS:
+            self.late += 1
+            frame = sys._current_frames()[self._thread]
+            self.own += frame.f_code.co_name not in self.WAITING
+
+
 def missed(session: Session) -> tuple[int, int]:
     """Return how many deadlines a session has missed, and met or missed."""
     found = session.statistics
@@ -208,9 +230,13 @@ def deadlines(folder: Path, rounds: int, seconds: float = 2.0) -> dict[str, list
         files[-1].write_text(texts[number % 2] + f'<!-- {number} -->')
     unused = itertools.cycle(files)
     found: dict[str, list[float]] = {}
+    own: dict[str, int] = {}
+    times: dict[str, int] = {}
 
     with Session(interval_ns=MS) as session:
         session.open(next(unused))
+        culprit = Culprit()
+        session.add_listener(culprit)
         session.start()
         session.write('go', True)
         turns = itertools.cycle([session.prepare(next(unused)) for _ in range(2)])
@@ -232,16 +258,23 @@ def deadlines(folder: Path, rounds: int, seconds: float = 2.0) -> dict[str, list
                 with neighbour() if name == 'neighbour' else nullcontext():
                     time.sleep(0.3)
                     before, end, count = missed(session), time.monotonic() + seconds, 0
+                    culprit.late = culprit.own = 0
                     while time.monotonic() < end:
                         ways[name]()
                         count += 1
                     lost, scans = map(sub, missed(session), before)
                 found.setdefault(name, []).append(1000 * lost / scans)
-                print(f'{name:>22}{scans:>7} deadlines{lost:>6} missed{count:>6} times',
-                      flush=True)
+                late, of_them = culprit.late, culprit.own
+                own[name] = own.get(name, 0) + of_them
+                times[name] = times.get(name, 0) + count
+                print(f'{name:>22}{scans:>7} deadlines{lost:>6} missed by{late:>4} late scans, '
+                      f'{of_them:>2} of them beside work here{count:>6} times', flush=True)
     print('missed, a thousand: ' + ', '.join(
         f'{name} {mean(numbers):.2f} (median {median(numbers):.2f})'
         for name, numbers in found.items()))
+    print('late scans beside work in the process that scans: ' + ', '.join(
+        f'{name} {own[name]} in {times[name]} changes'
+        for name in ('compiled and swapped', 'swapped')))
     for name in ('idle', 'compiled and swapped', 'swapped'):
         more = [one - other for one, other in zip(found[name], found['neighbour'], strict=True)]
         error = stdev(more) / len(more) ** 0.5
