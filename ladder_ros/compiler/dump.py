@@ -9,10 +9,10 @@ from dataclasses import replace
 
 from ladder_ros.compiler.il import InstructionList
 from ladder_ros.compiler.il_text import print_il
-from ladder_ros.compiler.il_to_python import emit_python
+from ladder_ros.compiler.il_to_python import print_python
 from ladder_ros.compiler.imported import is_imported
-from ladder_ros.compiler.lay_out import lay_out
-from ladder_ros.compiler.link import link_code, list_components
+from ladder_ros.compiler.lay_out import lay_out, lay_out_variables
+from ladder_ros.compiler.link import link_code
 from ladder_ros.compiler.pipeline import analyse, build_trees, completed, lower, Stages
 from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.compiler.tree_to_drawing import draw_forest, Texts
@@ -109,7 +109,7 @@ def _tree(program: Program, stages: Stages, pou: str | None) -> str:
 
 
 def _code(program: Program, stages: Stages, pou: str | None) -> InstructionList:
-    code = link_code(program, {**lower(build_trees(program, stages)), **stages.texts})
+    code = link_code(program, {**lower(build_trees(program, stages)), **stages.texts}).code
     if pou is None:
         return code
     names = {p.name.casefold() for p in _chosen(program, pou)}
@@ -124,11 +124,8 @@ def _il(program: Program, stages: Stages, pou: str | None) -> str:
 
 def _python(program: Program, stages: Stages, pou: str | None) -> str:
     code = _code(program, stages, pou)
-    slots = lay_out(program, stages.symbols, code)
-    components = list_components(program, code, stages.graphs, slots)
-    return emit_python(
-        code, {path: slot.index for path, slot in slots.items()},
-        {entry.path: entry.index for entry in components}).text
+    slots = lay_out(program, stages.symbols, code, lay_out_variables(program))
+    return print_python(code, {path: slot.index for path, slot in slots.items()})
 
 
 _DUMPS: Mapping[str, Callable[[Program, Stages, str | None], str]] = {
