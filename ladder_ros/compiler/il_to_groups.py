@@ -36,6 +36,8 @@ from ladder_ros.model.types import DataType
 LEAST_MEMBERS = 16
 LEAST_SIZE, MOST_SIZE = 16, 4000
 """Instructions that a member may execute: fewer do not pay, more make functions too long."""
+_CALL_SIZE = 8
+"""Instructions that take as long as the call of a routine."""
 
 def find_groups(
     code: InstructionList, slots: Mapping[str, int],
@@ -159,7 +161,8 @@ class _Finder:
                 if same[keys[number]] >= LEAST_MEMBERS}
 
     def _size(self, network: Network) -> int:
-        return len(network.code) + sum(map(self._routine_size, self.called(network)))
+        return len(network.code) + sum(
+            _CALL_SIZE + self._routine_size(routine) for routine in self.called(network))
 
     def _routine_size(self, routine: Routine) -> int:
         found = self._sizes.get(routine.name)

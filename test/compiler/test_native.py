@@ -17,6 +17,7 @@ from support.random_rungs import Case, cases, random_case, VALUES
 
 from compiler.agreement import assert_agreement, assert_same, executable, Machine
 from ladder_ros.blocks import FUNCTIONS
+from ladder_ros.compiler import il_to_groups
 from ladder_ros.compiler import native as native_backend
 from ladder_ros.compiler.il import Call, Instruction, InstructionList, Network, Op, Routine
 from ladder_ros.compiler.llvm_machine import make_object
@@ -156,11 +157,14 @@ def test_native_code_when_a_program_is_random_then_agrees_with_the_drawing(
 
 # -- leaving out what cannot change --------------------------------------------------------------
 
-@pytest.mark.parametrize('plant', [flat_plant(400), station_plant(1000)], ids=['flat', 'stations'])
+@pytest.mark.parametrize('plant, least_members', [
+    (flat_plant(400), 16), (station_plant(1000), 1000), (station_plant(5000), 16),
+], ids=['flat', 'stations', 'stations abreast'])
 def test_scans_when_little_or_much_changes_then_every_value_is_that_of_python(
-    plant: Plant, monkeypatch: pytest.MonkeyPatch,
+    plant: Plant, least_members: int, monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(native_backend, 'LEAST_INSTRUCTIONS', 1000)
+    monkeypatch.setattr(il_to_groups, 'LEAST_MEMBERS', least_members)
     program = program_of(plant)
     machines = [Machine(program, backend) for backend in ('python', 'native')]
     native = machines[1]
