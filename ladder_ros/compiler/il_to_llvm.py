@@ -30,17 +30,23 @@ from ladder_ros.compiler.il import (
     Network,
     Op,
     Routine,
+    STORES,
 )
 from ladder_ros.compiler.llvm_builder import Builder, IR_TYPE, Val, WORD
 from ladder_ros.compiler.llvm_functions import inline_function
 from ladder_ros.compiler.llvm_memory import Access, Activity, address, Cells, Chunk, Memory
 from ladder_ros.compiler.llvm_steps import inline_step, NotNativeError
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target
+from ladder_ros.diagnostics import InternalError
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.types import DataType, default_value
 
 GO_ON, LEFT, FAILED = 0, 1, 2
 """What a function returns."""
+
+_CONTACTS = {Op(join + mode): (join, mode) for join in ('LD', 'AND', 'OR') for mode in 'NPF'} | {
+    Op(join): (join, '') for join in ('LD', 'AND', 'OR')}
+"""The instructions of contacts: how each joins, and N, P or F."""
 
 
 def parameters(lanes: int) -> str:
@@ -227,8 +233,8 @@ class ChunkEmitter:
     # instructions
 
     def _instruction(self, instruction: Instruction) -> None:
-        op, name, builder = instruction.op, instruction.op.value, self.builder
-        if name[:2] in ('LD', 'AN', 'OR') and instruction.operand is not None:
+        op, builder = instruction.op, self.builder
+        if op in _CONTACTS:
             self._contact(instruction)
         elif op is Op.ANB or op is Op.ORB:
             right = self.stack.pop()
@@ -252,23 +258,25 @@ class ChunkEmitter:
             self._control(op)
         elif instruction.call is not None:
             self._call(op, instruction.call)
-        else:
+        elif op in STORES:
             self._coil(instruction)
+        else:
+            raise InternalError('il_to_llvm', f'{op} is not known')
 
     def _contact(self, instruction: Instruction) -> None:
         assert instruction.operand is not None
-        name, builder = instruction.op.value, self.builder
+        builder, (join, mode) = self.builder, _CONTACTS[instruction.op]
         value = self._read(instruction.operand)
-        mode = name[3:] if name[:2] == 'AN' else name[2:]
         if mode == 'N':
             value = builder.not_(value)
         elif mode:
             value = self._edge(instruction.memory, value, mode)
-        if name[:2] == 'LD':
+        if join == 'LD':
             self.stack.append(value)
+        elif join == 'AND':
+            self.stack[-1] = builder.and_(self.stack[-1], value)
         else:
-            join = builder.and_ if name[:2] == 'AN' else builder.or_
-            self.stack[-1] = join(self.stack[-1], value)
+            self.stack[-1] = builder.or_(self.stack[-1], value)
 
     def _edge(self, memory: Ref | None, signal: Val, mode: str) -> Val:
         """Detect an edge, rising (P) or falling (F), as R_TRIG and F_TRIG do."""

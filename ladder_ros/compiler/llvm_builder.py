@@ -36,9 +36,12 @@ def is_signed(type_: DataType) -> bool:
     return type_ in SIGNED or type_ is DataType.TIME
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Val:
-    """A value: its name or constant, and its type for one lane."""
+    """A value: its name or constant, and its type for one lane.
+
+    Equal are only those that are the same: constants are made once.
+    """
 
     text: str
     ir: str
@@ -60,6 +63,25 @@ class Builder:
     count: int = 0
     truths: dict[str, Val] = field(default_factory=dict)
     """BOOLs that were the results of comparisons, by name."""
+    numbers: dict[tuple[str, str], Val] = field(default_factory=dict)
+    """The constants but BOOLs, by type and text."""
+    false: Val = field(init=False)
+    """BOOL FALSE."""
+    true: Val = field(init=False)
+    """BOOL TRUE, in every lane."""
+
+    def __post_init__(self) -> None:
+        """Make the constants."""
+        if self._is_integer:
+            texts = '0', '1' if self.lanes == 1 else '-1'
+        else:
+            texts = 'zeroinitializer', 'splat (i8 1)'
+        self.false, self.true = (Val(text, WORD) for text in texts)
+
+    @property
+    def _is_integer(self) -> bool:
+        """Whether a BOOL, of all lanes, is an integer."""
+        return self.lanes == 1 or self.packed
 
     # types and constants
 
@@ -80,24 +102,11 @@ class Builder:
     def number(self, value: Value, ir: str) -> Val:
         """Return a number as a constant."""
         text = _real_text(float(value)) if ir in ('float', 'double') else str(int(value))
-        return Val(text if self.lanes == 1 else f'splat ({ir} {text})', ir)
-
-    @property
-    def false(self) -> Val:
-        """BOOL FALSE."""
-        return Val('0' if self._is_integer else 'zeroinitializer', WORD)
-
-    @property
-    def true(self) -> Val:
-        """BOOL TRUE, in every lane."""
-        if self._is_integer:
-            return Val('1' if self.lanes == 1 else '-1', WORD)
-        return Val('splat (i8 1)', WORD)
-
-    @property
-    def _is_integer(self) -> bool:
-        """Whether a BOOL, of all lanes, is an integer."""
-        return self.lanes == 1 or self.packed
+        found = self.numbers.get((ir, text))
+        if found is None:
+            found = Val(text if self.lanes == 1 else f'splat ({ir} {text})', ir)
+            self.numbers[ir, text] = found
+        return found
 
     # instructions
 

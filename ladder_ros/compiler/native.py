@@ -25,6 +25,7 @@ from ladder_ros.compiler.il import (
     Network,
     Op,
     Routine,
+    STORES,
 )
 from ladder_ros.compiler.il_to_groups import find_groups
 from ladder_ros.compiler.il_to_llvm import (
@@ -51,6 +52,8 @@ _INSTRUCTIONS = 200
 """Most networks, and about the most instructions, in a chunk."""
 LEAST_INSTRUCTIONS = 25_000
 """Instructions that a part must have for it to pay to follow what has changed."""
+_CALLS = 256
+"""Chunks that a function calls one after the other."""
 _CHUNKS = 32
 """Chunks in a module: the part that is compiled, and kept, as one."""
 
@@ -99,7 +102,7 @@ def _written_order(routines: Sequence[Routine], slots: Mapping[str, int]) -> lis
         for instruction in routine.instructions():
             call = instruction.call
             targets: list[Operand | None] = [instruction.memory, instruction.target]
-            if call is None and instruction.op.value[0] in 'SR':
+            if instruction.op in STORES:
                 targets.append(instruction.operand)
             if call is not None:
                 targets += [target for _, target in call.outputs]
@@ -329,12 +332,24 @@ class _Emitter:
         self.functions.update((function.symbol, function) for function in functions)
 
     def driver(self, symbol: str, functions: Sequence[_Function]) -> str:
-        """Return the function that calls others one after the other."""
+        """Return functions that call others one after the other, at last one of that name."""
+        calls = [(function.symbol, function.chunk.may_leave) for function in functions]
+        texts: list[str] = []
+        while len(calls) > _CALLS:  # long functions take long to compile
+            parts = [calls[start:start + _CALLS] for start in range(0, len(calls), _CALLS)]
+            names = [f'{symbol}_{len(texts) + number}' for number in range(len(parts))]
+            texts += [self.calling(*named) for named in zip(names, parts, strict=True)]
+            calls = [(name, any(may_leave for _, may_leave in part))
+                     for name, part in zip(names, parts, strict=True)]
+        return '\n'.join([*texts, self.calling(symbol, calls)])
+
+    def calling(self, symbol: str, calls: Sequence[tuple[str, bool]]) -> str:
+        """Return a function that calls others; it says which of them may leave."""
         given = parameters(self.lanes)
         lines = [f'define i8 @{symbol}({given}) {{']
-        for number, function in enumerate(functions):
-            lines.append(f'%r{number} = call i8 @{function.symbol}({given})')
-            if function.chunk.may_leave:
+        for number, (name, may_leave) in enumerate(calls):
+            lines.append(f'%r{number} = call i8 @{name}({given})')
+            if may_leave:
                 lines += [
                     f'%c{number} = icmp eq i8 %r{number}, {GO_ON}',
                     f'br i1 %c{number}, label %on{number}, label %out{number}',

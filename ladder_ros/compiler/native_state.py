@@ -99,26 +99,27 @@ def arrange(
     rows = _rows(groups or {}, types, in_arrays)
     in_rows = {index for row in rows for index in row}
 
-    def place(slot: Slot) -> tuple[int, int, int]:
-        if slot.index in in_arrays:
-            return -SIZE[slot.type], 1, slot.index
-        if slot.index in order:
-            return -SIZE[slot.type], 2, order[slot.index]
-        return -SIZE[slot.type], 0, slot.index
+    def place(index: int) -> tuple[int, int]:
+        if index in in_arrays:
+            return 1, index
+        return (2, order[index]) if index in order else (0, index)
 
+    single: dict[int, list[int]] = {size: [] for size in SIZE.values()}
+    for index, type_ in enumerate(types):
+        if type_ in SIZE and index not in in_rows:
+            single[SIZE[type_]].append(index)
     offsets = [-1] * len(slots)
     end = 0
-    for size in sorted(set(SIZE.values()), reverse=True):
+    for size in sorted(single, reverse=True):
         for row in rows:
             if SIZE[types[row[0]]] == size:
                 end += -end % ABREAST
                 for number, index in enumerate(row):
                     offsets[index] = end + number * size
                 end += whole_rows(len(row)) * size
-        for slot in sorted((slot for slot in slots if SIZE.get(slot.type) == size), key=place):
-            if slot.index not in in_rows:
-                offsets[slot.index] = end
-                end += size
+        for index in sorted(single[size], key=place):
+            offsets[index] = end
+            end += size
     return NativeLayout(
         offsets=tuple(offsets), types=types, size=(end + _BLOCK - 1) // _BLOCK * _BLOCK,
         groups=groups or {}, rows=frozenset(rows))

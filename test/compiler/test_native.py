@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 import random
 
@@ -196,6 +196,30 @@ def chunks_executed(state: object) -> int:
     return int(ctypes.c_int64.from_address(address + 24).value)
 
 
+# -- other machines ------------------------------------------------------------------------------
+
+@pytest.mark.parametrize('plant', [flat_plant(200), station_plant(500)], ids=['flat', 'stations'])
+def test_code_when_the_machine_is_an_arm_then_it_compiles(
+    plant: Plant, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    import llvmlite.binding as llvm
+    monkeypatch.setattr(native_backend, 'LEAST_INSTRUCTIONS', 100)
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    try:
+        target = llvm.Target.from_triple('aarch64-unknown-linux-gnu')
+    except RuntimeError:
+        pytest.skip('this llvmlite compiles for its own machine only')
+    machine = target.create_target_machine(opt=1, reloc='pic', codemodel='small')
+    native = compile_program(program_of(plant), backend='native').native
+    assert native is not None
+    modules = native()[0].modules
+    assert any('@event_scan' in text for text in modules)
+    for text in modules:
+        made = machine.emit_object(llvm.parse_assembly(text))
+        assert made[:4] == b'\x7fELF' and made[18:20] == b'\xb7\x00'
+
+
 # -- moving between forms ------------------------------------------------------------------------
 
 def form_of(native: Executable) -> Form:
@@ -231,6 +255,23 @@ def test_cycle_when_it_moves_to_native_code_between_scans_then_nothing_changes(s
             cycle.scan(now)
         assert list(map(repr, moving.state)) == list(map(repr, python.state)), number
         assert moving.power == python.power
+
+
+def test_cycle_when_asked_what_runs_then_names_the_form_of_the_next_scan() -> None:
+    program = program_of(flat_plant(4))
+    native = compile_program(program, backend='native').executable
+    assert ScanCycle(native).runs_as == 'native'
+    first = compile_program(program).executable
+    moving = ScanCycle(replace(first, backend='native', faster=lambda: form_of(native)))
+    found = [moving.runs_as]
+    moving.move_to(form_of(native), native.make_state(first.outline.initial))
+    found.append(moving.runs_as)
+    moving.observe(True)
+    found.append(moving.runs_as)
+    moving.observe(False)
+    moving.force(1, True)
+    found.append(moving.runs_as)
+    assert found == ['python', 'native', 'python', 'python']
 
 
 def test_moment_when_it_is_gone_back_to_then_native_code_goes_on_from_there() -> None:
