@@ -13,6 +13,7 @@ from ladder_ros.compiler.il_to_python import print_python
 from ladder_ros.compiler.imported import is_imported
 from ladder_ros.compiler.lay_out import lay_out, lay_out_variables
 from ladder_ros.compiler.link import link_code
+from ladder_ros.compiler.native import emit_native, layout_of
 from ladder_ros.compiler.pipeline import analyse, build_trees, completed, lower, Stages
 from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.compiler.tree_to_drawing import draw_forest, Texts
@@ -128,8 +129,25 @@ def _python(program: Program, stages: Stages, pou: str | None) -> str:
     return print_python(code, {path: slot.index for path, slot in slots.items()})
 
 
+def _llvm(program: Program, stages: Stages, pou: str | None) -> str:
+    code = _code(program, stages, pou)
+    by_path = lay_out(program, stages.symbols, code, lay_out_variables(program))
+    index = {path: slot.index for path, slot in by_path.items()}
+    slots = tuple(dict.fromkeys(by_path.values()))
+    layout = layout_of(code, slots, index)
+    native = emit_native(code, index, layout)
+    places = sorted((offset, slot.path) for offset, slot in zip(
+        layout.offsets, slots, strict=True) if offset >= 0)
+    return '\n'.join((
+        '; %s: the state; %now: time in ns',
+        *(f';   {offset:6} {path}' for offset, path in places),
+        *(f'; run by Python: {reason}' for reason in native.why_not),
+        *(f'\n; module {number}\n{text}' for number, text in enumerate(native.modules)), ''))
+
+
 _DUMPS: Mapping[str, Callable[[Program, Stages, str | None], str]] = {
-    'wiring': _wiring, 'aov': _aov, 'tree': _tree, 'il': _il, 'python': _python}
+    'wiring': _wiring, 'aov': _aov, 'tree': _tree, 'il': _il, 'python': _python,
+    'llvm': _llvm}
 
 STAGES = tuple(_DUMPS)
 """The stages that can be printed, in the order of the pipeline."""
