@@ -188,14 +188,14 @@ class Form:
             self.report('L0202', element, f'{attribute}="{value}"', name=repr(value))
         return value
 
-    def identifier(self, element: Element) -> str:
+    def identifier(self, element: Element, attribute: str = 'id') -> str:
         """Return the id of a rung or component."""
-        value = element.attributes.get('id', '')
-        if 'id' in element.attributes and (
+        value = element.attributes.get(attribute, '')
+        if attribute in element.attributes and (
             len(value) > grammar.MAX_NAME or not grammar.IDENTIFIER.fullmatch(value)
         ):
-            self.bad_value(element, 'id', 'an id is letters, digits, _ and -, at most '
-                                          f'{grammar.MAX_NAME} of them')
+            self.bad_value(element, attribute, 'an id is letters, digits, _ and -, at most '
+                           f'{grammar.MAX_NAME} of them')
         return value
 
     def operand(self, element: Element, attribute: str = 'operand') -> str:
