@@ -170,6 +170,9 @@ class ComponentEntry:
     slots: tuple[int, ...] = ()
 
 
+FIRST_BACKEND = 'python'
+"""The backend that is ready first, and always there."""
+
 Scan = Callable[[State, int, 'list[bool] | None'], object]
 """One pass of an entry point: (state, now in ns, power) changes the state in place.
 

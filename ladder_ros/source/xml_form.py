@@ -194,17 +194,17 @@ class Form:
             self.report('L0202', element, f'{attribute}="{value}"', name=repr(value))
         return value
 
-    def identifier(self, element: Element) -> str:
+    def identifier(self, element: Element, attribute: str = 'id') -> str:
         """Return the id of a rung or component."""
-        value = element.attributes.get('id', '')
+        value = element.attributes.get(attribute, '')
         known = self._identifiers.get(value)
         if known is not None:
             return known
-        if 'id' in element.attributes and (
+        if attribute in element.attributes and (
             len(value) > grammar.MAX_NAME or not grammar.IDENTIFIER.fullmatch(value)
         ):
-            self.bad_value(element, 'id', 'an id is letters, digits, _ and -, at most '
-                                          f'{grammar.MAX_NAME} of them')
+            self.bad_value(element, attribute, 'an id is letters, digits, _ and -, at most '
+                           f'{grammar.MAX_NAME} of them')
             return value
         return self._identifiers.setdefault(value, value) if value else ''
 
