@@ -192,7 +192,7 @@ class _Reader:
             return None
         type_ = self.types.read(element)
         initial: Initial = None
-        if type_ is not None:
+        if type_ is not None and (element.children or 'initial' in element.attributes):
             initial = self.types.initial(element, rule, type_)
         if initial is None and isinstance(type_ or DataType.BOOL, DataType):
             initial = default_value(elementary(type_ or DataType.BOOL) or DataType.BOOL)
