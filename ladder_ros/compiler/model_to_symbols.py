@@ -16,6 +16,7 @@ import re
 from ladder_ros.compiler.resolve_rung import RungResolver, suggestion
 from ladder_ros.compiler.symbols import (
     pou_key,
+    Ref,
     Resolved,
     Scope,
     Symbol,
@@ -268,6 +269,7 @@ class _Resolver:
     def _resolve_pou(self, pou: Pou, scope: Scope, same: Mapping[int, int]) -> None:
         self._unique(((r.id, r.location) for r in pou.rungs), pattern=IDENTIFIER)
         contacts: dict[str, Resolved] = {}
+        refs: dict[str, Ref] = {}
         key = pou_key(pou)
         for rung in pou.rungs:
             if id(rung) in same:
@@ -282,7 +284,7 @@ class _Resolver:
             by_id = {c.id.casefold(): c for c in rung.components}
             in_rung = RungResolver(
                 report=self.report, scope=scope, rung=rung, by_id=by_id,
-                composites=self.composites, contacts=contacts)
+                composites=self.composites, contacts=contacts, refs=refs)
             found: dict[str, Resolved] = {}
             for component in rung.components:
                 resolved = in_rung.resolve(component)

@@ -50,6 +50,8 @@ class RungResolver:
     composites: dict[str, Composite]
     contacts: dict[str, Resolved]
     """What the POU's contacts refer to, by their operands."""
+    refs: dict[str, Ref]
+    """The variables that the POU's operands have turned out to be."""
     function_types: dict[str, DataType | None] = field(default_factory=dict)
 
     def resolve(self, component: Component) -> Resolved | None:
@@ -77,11 +79,14 @@ class RungResolver:
         self, text: str, location: Location, expected: DataType | None,
     ) -> Operand | None:
         """Resolve something that is read: a variable, a block's output or a literal."""
-        if _looks_literal(text):
-            return self._literal(text, location, expected)
-        ref = self._variable(text, location)
+        ref = self.refs.get(text)
         if ref is None:
-            return None
+            if _looks_literal(text):
+                return self._literal(text, location, expected)
+            ref = self._variable(text, location)
+            if ref is None:
+                return None
+            self.refs[text] = ref
         if expected is not None and ref.type is not expected:
             self.report('L0204', location, name=text, actual=ref.type, expected=expected)
             return None

@@ -218,7 +218,7 @@ class _Reader:
                 and not self.form.is_foreign:
             self.form.bad_value(
                 element, 'default', 'only a parameter of direction="input" has one')
-        elif type_ is not None:
+        elif type_ is not None and (element.children or 'default' in element.attributes):
             default = self.types.initial(element, rule, type_, 'default')
         return Parameter(
             name=self.form.name(element, 'name'), type=type_ or DataType.BOOL,
@@ -487,14 +487,17 @@ class _Reader:
         value = element.attributes.get('bind')
         if value is None:
             return ()
-        if not grammar.BIND.fullmatch(value):
+        pairs = grammar.BINDING.findall(value)
+        # As we write it, which is seen faster than by the whole expression.
+        is_plain = ' '.join([f'{pin}={operand}' for pin, operand in pairs]) == value
+        if not is_plain and not grammar.BIND.fullmatch(value):
             self.form.bad_value(
                 element, 'bind', 'write parameter=operand with blanks between them: '
                                  'Floor=served_1 Delay=T#2s; for text in quotes write <argument>s')
             return ()
         place = self.form.here(element)
-        return tuple(Argument(pin=pin, operand=operand, location=place)
-                     for pin, operand in grammar.BINDING.findall(value))
+        return tuple([Argument(pin=pin, operand=operand, location=place)
+                      for pin, operand in pairs])
 
     def argument(self, element: Element) -> Argument:
         rule = RULES[element.tag]
