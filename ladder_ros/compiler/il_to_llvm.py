@@ -105,7 +105,7 @@ class ChunkEmitter:
 
     def chunk(self) -> Chunk:
         """Return the function with all that was added."""
-        lines = [*self.allocas, *self.builder.lines, f'ret i8 {GO_ON}']
+        lines = [*self.allocas, *self.access.prelude(), *self.builder.lines, f'ret i8 {GO_ON}']
         return Chunk(
             body='\n'.join(lines), needs=tuple(self.builder.needs), activity=self.activity,
             may_leave=self.may_leave)
@@ -569,6 +569,6 @@ def emit_release(
         builder=Builder(lanes=lanes), mask=mask)
     emitter.release(routine)
     given = 'ptr %s' if lanes == 1 else f'ptr %s, i{lanes} %mask'
-    body = '\n'.join(emitter.builder.lines)
+    body = '\n'.join((*emitter.access.prelude(), *emitter.builder.lines))
     symbol = routine_symbol(routine.name)
     return f'define void @{symbol}_release({given}) {{\n{body}\nret void\n}}', emitter.activity

@@ -57,16 +57,13 @@ def emit_group(
         builder=Builder(lanes=ABREAST, packed=False))
     emitter.add(network)
     chunk = emitter.chunk()
-    lines = [f'%row{size} = getelementptr i8, ptr %s, i64 %i{size}' for size in (1, 2, 4, 8)]
-    lines = [f'%i{size} = mul i64 %i, {size}' for size in (1, 2, 4, 8)] + lines
-    body = '\n'.join((*lines, chunk.body))
-    digest = hashlib.sha256('\n'.join((*rows.tables, body)).encode()).hexdigest()[:32]
+    digest = hashlib.sha256('\n'.join((*rows.tables, chunk.body)).encode()).hexdigest()[:32]
     symbol = f'group_{digest}'
     return GroupCode(
         size=_BLOCK_SIZE * size * whole_rows(len(group.members)) // ABREAST,
         module='\n'.join((
             *chunk.needs, *rows.tables,
-            f'define i8 @{symbol}(ptr %s, i64 %now, i64 %i) {{\n{body}\n}}')),
+            f'define i8 @{symbol}(ptr %s, i64 %now, i64 %i) {{\n{chunk.body}\n}}')),
         chunks=tuple(_block(symbol, start, chunk.activity, group)
                      for start in range(0, len(group.members), ABREAST)))
 
@@ -148,6 +145,12 @@ class _Rows:
         before = builder.let(f'load i64, ptr {place}', 'i64')
         after = builder.let(f'add i64 {before.text}, {many.text}', 'i64')
         builder.lines.append(f'store i64 {after.text}, ptr {place}')
+
+    def prelude(self) -> Sequence[str]:
+        """Return what a function begins with that has used this."""
+        sizes = sorted(set(SIZE.values()))
+        return [*(f'%i{size} = mul i64 %i, {size}' for size in sizes),
+                *(f'%row{size} = getelementptr i8, ptr %s, i64 %i{size}' for size in sizes)]
 
     def _gather(self, builder: Builder, row: Sequence[int], ir: str) -> Val:
         """Append what brings slots together: a table tells where they are."""
