@@ -14,8 +14,9 @@ from dataclasses import replace
 import json
 import os
 
-from ladder_ros.compiler.dump import require_pou, with_drawings
+from ladder_ros.compiler.dump import require_pou
 from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.coordinates.imported import with_drawings
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.drawing.program_html import program_html, Report
 from ladder_ros.drawing.program_svg import program_svg, ProgramStyle

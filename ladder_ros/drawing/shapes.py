@@ -216,7 +216,7 @@ def _pin(
         return Pin(name=shown, value=_value('', owner.instance, name, context))
     if argument.row is not None:
         # A row that the box does not have can only be told, not drawn.
-        inside = isinstance(owner, Block) and 0 < argument.row < owner.placement.height
+        inside = 0 < argument.row < owner.placement.height
         return Pin(name=shown, row=argument.row) if inside else \
             Pin(name=shown, label=f'row {argument.row}')
     text = argument.operand or argument.source
