@@ -3,9 +3,9 @@
 """Find what may be executed abreast: instruction list -> groups of networks.
 
 Machines have many stations alike, and so have their programs: the networks that call them differ
-in their variables only, with all that they call.  Where no member of such a group reads or writes
-what another writes, it makes no difference whether they are executed one after the other, or all
-of them one instruction after the other.
+in their variables and constants only, with all that they call.  Where no member of such a group
+reads or writes what another writes, it makes no difference whether they are executed one after the
+other, or all of them one instruction after the other.
 
 Members need not follow each other.  A group is executed where its first member stands; a network
 joins it if nothing that it would be moved in front of writes what it uses, or uses what it writes.
@@ -75,11 +75,7 @@ class _Unit:
     """The numbers of slots, in the order of their first use."""
     written: set[int] = field(default_factory=set)
     """The slots that are written."""
-
-    @property
-    def touched(self) -> set[int]:
-        """The slots that are read or written."""
-        return set(self.numbers)
+    literals: list[Literal] = field(default_factory=list)
 
 
 @dataclass(slots=True)
@@ -107,11 +103,14 @@ class _Open:
         self.written |= unit.written
 
     def group(self) -> Group:
-        columns = zip(*(unit.numbers for unit in self.units), strict=True)
+        variables = zip(*(unit.numbers for unit in self.units), strict=True)
+        literals = zip(*(unit.literals for unit in self.units), strict=True)
         first = self.units[0]
         return Group(
-            members=tuple(self.members), variables=tuple(columns),
-            written=frozenset(first.numbers[slot] for slot in first.written))
+            members=tuple(self.members), variables=tuple(variables),
+            written=frozenset(first.numbers[slot] for slot in first.written),
+            constants={number: row for number, row in enumerate(literals)
+                       if len({repr(literal.value) for literal in row}) > 1})
 
 
 class _Finder:
@@ -233,7 +232,8 @@ class _Finder:
         if operand.type is DataType.STRING or isinstance(operand, Element):
             raise _UnfitError
         if isinstance(operand, Literal):
-            unit.key.append((operand.type, repr(operand.value)))
+            unit.key.append(operand.type)
+            unit.literals.append(operand)
         elif operand.path.startswith('%T'):
             unit.key.append((operand.type, operand.path))
         else:

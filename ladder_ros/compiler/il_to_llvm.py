@@ -69,6 +69,8 @@ class ChunkEmitter:
     access: Access
     inner: Mapping[str, Routine] = field(default_factory=dict)
     """Routines that are put in the place of their calls, by instance."""
+    constants: Mapping[str, Val] = field(default_factory=dict)
+    """Temporaries that have a value from the beginning."""
     builder: Builder = field(default_factory=Builder)
     mask: Val | None = None
     """The lanes that execute it (a BOOL); None: all of them."""
@@ -97,7 +99,8 @@ class ChunkEmitter:
         for index in self.old:
             self.known.pop(index, None)
         self.old = tuple(self.known)
-        self.stack, self.saved, self.temporaries, self.opened = [], [], {}, []
+        self.stack, self.saved, self.opened = [], [], []
+        self.temporaries = dict(self.constants)
         branches = any(instruction.op in CONTROL for instruction in network.code)
         self.boxes = {} if branches else None
         for instruction in network.code:

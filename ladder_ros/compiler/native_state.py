@@ -24,6 +24,7 @@ from operator import itemgetter
 import struct
 from typing import Any, overload
 
+from ladder_ros.compiler.symbols import Literal
 from ladder_ros.executable import Slot
 from ladder_ros.model.types import BIT_STRINGS, DataType, SIGNED, UNSIGNED, Value
 
@@ -50,15 +51,18 @@ RoutineId = tuple[bool, str]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Group:
-    """Networks of a routine that differ in their variables only, and may be executed abreast.
+    """Networks of a routine that differ in what they are bound to, and may be executed abreast.
 
     ``members`` are their numbers in the routine.  Each of the ``variables`` of their code is a
-    slot in each member; ``written`` are the numbers of those that the code writes.
+    slot in each member; ``written`` are the numbers of those that the code writes.  Of its
+    literals, those that are not the same in all members are ``constants``, by their number in
+    the code: a value in each.
     """
 
     members: tuple[int, ...]
     variables: tuple[tuple[int, ...], ...]
     written: frozenset[int]
+    constants: Mapping[int, tuple[Literal, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,7 +13,7 @@ from support.random_rungs import VALUES
 from support.random_stations import station_program
 
 from compiler.agreement import assert_same, Machine
-from ladder_ros.compiler.il import InstructionList
+from ladder_ros.compiler.il import InstructionList, Op
 from ladder_ros.compiler.il_interpreter import interpret_il
 from ladder_ros.compiler.il_text import parse_il
 from ladder_ros.compiler.il_to_groups import find_groups
@@ -23,6 +23,7 @@ from ladder_ros.compiler.native_state import ABREAST, StateForm
 from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.compiler.symbols import Ref
 from ladder_ros.executable import ARITHMETIC_ERRORS, Slot, SlotClass
+from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.program import Program
 from ladder_ros.model.types import DataType, default_value, Value
 
@@ -52,7 +53,11 @@ def slots_of(code: InstructionList) -> dict[str, int]:
              for operand in (i.operand, i.memory, i.target, *(
                  operand for _, operand in (i.call.inputs + i.call.outputs if i.call else ())))
              if isinstance(operand, Ref))
-    found = dict.fromkeys([ARITHMETIC_ERRORS, *(name.casefold() for name in names)])
+    fields = (f'{i.call.instance}.{pin.name}' for routine in code.routines
+              for i in routine.instructions() if i.op is Op.CAL and i.call is not None
+              for pin in CATALOGUE[i.call.name].state)
+    found = dict.fromkeys([
+        ARITHMETIC_ERRORS, *(name.casefold() for name in (*names, *fields))])
     return {name: number for number, name in enumerate(found)}
 
 
@@ -158,6 +163,21 @@ def test_arithmetic_errors_when_members_divide_by_zero_then_each_is_counted(coun
     types[ARITHMETIC_ERRORS] = DataType.LINT
     emitted = run_both(code, types, 20)
     assert any('@group_' in text for text in emitted.modules)
+
+
+@needs_llvm
+def test_constants_when_they_are_another_in_each_member_then_each_has_its_own() -> None:
+    code = program(*(
+        [*logic(f's{k}'), f'FUN ADD INT (IN1 := s{k}.x, IN2 := INT#{k * k}) (OUT => s{k}.y)',
+         f'MOV REAL REAL#{k}.5 => s{k}.r', f'MOV BOOL {k % 3 == 0} => s{k}.b'.upper(),
+         f'CAL TON s{k}.t (PT := T#{k % 5}ms) ()', f'ST s{k}.f'] for k in range(ABREAST + 3)))
+    types: dict[str, DataType] = {ARITHMETIC_ERRORS: DataType.LINT}
+    for k in range(ABREAST + 3):
+        types |= {f's{k}.x': DataType.INT, f's{k}.y': DataType.INT, f's{k}.r': DataType.REAL,
+                  f's{k}.t.et': DataType.TIME, f's{k}.t.%start': DataType.TIME}
+    emitted = run_both(code, types, 20)
+    (group,) = [text for text in emitted.modules if 'define i8 @group_' in text]
+    assert group.count('internal constant') == 4
 
 
 @needs_llvm
