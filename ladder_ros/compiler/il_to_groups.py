@@ -38,6 +38,8 @@ LEAST_SIZE, MOST_SIZE = 16, 4000
 """Instructions that a member may execute: fewer do not pay, more make functions too long."""
 _CALL_SIZE = 8
 """Instructions that take as long as the call of a routine."""
+_OPEN, _ROUNDS = 16, 8
+"""Groups that are collected at a time, and how often it is tried: the time is bounded."""
 
 def find_groups(
     code: InstructionList, slots: Mapping[str, int],
@@ -128,7 +130,7 @@ class _Finder:
     def groups_of(self, networks: Sequence[Network]) -> tuple[Group, ...]:
         """Return the groups of some networks that are executed one after the other."""
         units = self._candidates(networks)
-        while units:
+        for _ in range(_ROUNDS if units else 0):
             groups = self._collected(networks, units)
             small = [number for group in groups if len(group.members) < LEAST_MEMBERS
                      for number in group.members]
@@ -186,10 +188,13 @@ class _Finder:
                     group.pass_by(other)
             elif unit is not None:
                 key = tuple(unit.key)
-                own = collecting.get(key)
+                own = collecting.pop(key, None)
                 if own is None or not own.may_take(unit):
                     done += [] if own is None else [own]
-                    own = collecting[key] = _Open(start=number)
+                    own = _Open(start=number)
+                    if len(collecting) == _OPEN:  # the one that was joined the longest time ago
+                        done.append(collecting.pop(next(iter(collecting))))
+                collecting[key] = own
                 own.take(number, unit)
                 for group in collecting.values():
                     if group.start < own.start:

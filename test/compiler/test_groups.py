@@ -125,6 +125,14 @@ def test_group_when_it_waits_for_another_then_both_keep_their_order() -> None:
     assert members(*pairs) == [tuple(range(0, 40, 2)), tuple(range(1, 40, 2))]
 
 
+def test_networks_when_there_are_more_kinds_than_are_collected_at_a_time_then_stay_alone() -> None:
+    kinds = [(kind, k) for k in range(20) for kind in range(17)]
+    mixed = [[*logic(f's{kind}.{k}'), *['NOT'] * kind, 'DRP'] for kind, k in kinds]
+    assert members(*mixed) == []
+    assert len(members(*(network for network, (kind, _) in zip(mixed, kinds, strict=True)
+                         if kind))) == 16
+
+
 # -- that nobody can tell ------------------------------------------------------------------------
 
 def run_both(code: InstructionList, types: Mapping[str, DataType], scans: int) -> NativeProgram:
