@@ -38,6 +38,7 @@ LEAST_SIZE, MOST_SIZE = 16, 4000
 """Instructions that a member may execute: fewer do not pay, more make functions too long."""
 _CALL_SIZE = 8
 """Instructions that take as long as the call of a routine."""
+_CHOICES = frozenset({Op.IF, Op.ELSE, Op.FI})
 _OPEN, _ROUNDS = 16, 8
 """Groups that are collected at a time, and how often it is tried: the time is bounded."""
 
@@ -219,10 +220,10 @@ class _Finder:
         self._add(unit, network)
         return unit
 
-    def _add(self, unit: _Unit, network: Network) -> None:
+    def _add(self, unit: _Unit, network: Network, *, is_inner: bool = False) -> None:
         for instruction in network.code:
             op, call = instruction.op, instruction.call
-            if op in CONTROL:
+            if op in CONTROL - _CHOICES and not (is_inner and op is Op.RET):
                 raise _UnfitError
             unit.key.append(op)
             if call is not None:
@@ -231,7 +232,7 @@ class _Finder:
                 self._note(unit, operand, is_written)
             if op in (Op.EXE, Op.RUN) and call is not None:
                 for inner in self.routines[call.instance].networks:
-                    self._add(unit, inner)
+                    self._add(unit, inner, is_inner=True)
 
     def _note(self, unit: _Unit, operand: Operand, is_written: bool) -> None:
         if operand.type is DataType.STRING or isinstance(operand, Element):

@@ -16,9 +16,9 @@ import hashlib
 from itertools import count
 
 from ladder_ros.compiler.il import Instruction, Network, Op, Routine
-from ladder_ros.compiler.il_to_llvm import ChunkEmitter, GO_ON
+from ladder_ros.compiler.il_to_llvm import ChunkEmitter
 from ladder_ros.compiler.llvm_builder import Builder, IR_TYPE, TRUTH, Val
-from ladder_ros.compiler.llvm_memory import Activity, address, Chunk, Memory
+from ladder_ros.compiler.llvm_memory import Activity, address, Chunk, GO_ON, Memory
 from ladder_ros.compiler.llvm_steps import NotNativeError
 from ladder_ros.compiler.native_state import ABREAST, Group, NativeLayout, SIZE, whole_rows
 from ladder_ros.compiler.symbols import Literal, Operand, Ref

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+import hashlib
 from typing import Protocol
 
 from ladder_ros.compiler.llvm_builder import Builder, IR_TYPE, Val
@@ -13,6 +14,19 @@ from ladder_ros.compiler.llvm_steps import NotNativeError
 from ladder_ros.compiler.native_state import NativeLayout
 from ladder_ros.compiler.symbols import Element, Ref
 from ladder_ros.model.types import DataType
+
+GO_ON, LEFT, FAILED = 0, 1, 2
+"""What a function returns."""
+
+
+def parameters(lanes: int) -> str:
+    """Return the parameters of a function; ``mask`` says which lanes execute it."""
+    return 'ptr %s, i64 %now' if lanes == 1 else f'ptr %s, i64 %now, i{lanes} %mask'
+
+
+def routine_symbol(name: str) -> str:
+    """Return the symbol of the function of a composite's instance."""
+    return f'routine_{hashlib.sha256(name.encode()).hexdigest()[:24]}'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
