@@ -178,16 +178,23 @@ class _Network:
             self.body.drawn.get(component.id), OutVariable)
 
     def _moves(self) -> Iterator[tuple[int, _Output]]:
-        """Yield the moves of results to variables that directly follow their blocks."""
-        block = -1
-        for place, symbol in enumerate(self.aov.symbols):
-            if not self._is_move(symbol.component):
-                block = place
-            elif block >= 0 and not symbol.prelude:
-                ((_, value),) = symbol.resolved.inputs
-                pin = _pin_of(self.aov.symbols[block], value)
-                if pin:
-                    yield place, _Output(block=block, pin=pin)
+        """Yield the moves of results to variables that the block itself may as well write."""
+        symbols = self.aov.symbols
+        makers = {str(target): place for place, symbol in enumerate(symbols)
+                  if not self._is_move(symbol.component) for _, target in symbol.resolved.outputs}
+        touched: dict[str | None, int] = {}
+        written: dict[str | None, int] = {}
+        for place, symbol in enumerate(symbols):
+            reads, writes = reads_and_writes(symbol)
+            if self._is_move(symbol.component) and not symbol.prelude:
+                value, target = reads[0], writes[0]
+                block = self.calls.get(_instance_of(value), makers.get(str(value), place))
+                if block < place and block >= max(
+                        touched.get(self.key(target), -1), written.get(self.key(value), -1)):
+                    yield place, _Output(block=block, pin=_pin_of(symbols[block], value))
+                    continue
+            written.update((self.key(target), place) for target in writes)
+            touched.update((self.key(operand), place) for operand in (*reads, *writes))
 
     def _reads(self) -> Iterator[tuple[int, _Output]]:
         """Yield the contacts that stand for power from a block's further output."""
