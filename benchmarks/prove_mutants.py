@@ -53,14 +53,21 @@ def is_different_after_all(old: Program, new: Program, scans: int) -> bool:
     return try_out(product, differs(product), scans=scans, runs=10, seed=101).trace is not None
 
 
-def mutants(count: int, timeout_s: float) -> None:
-    """Prove so many mutants and print what comes out."""
-    rng, found, times = Random(7), Counter[str](), []
-    while sum(found.values()) < count:
+def mutant(number: int) -> tuple[Program, Program]:
+    """Return a program and its mutant, always the same ones for a number."""
+    rng = Random(number)
+    while True:
         old = bases(rng)
         new = mutate(rng, old)
-        if new is old or has_errors(check_program(new)):
-            continue
+        if new is not old and not has_errors(check_program(new)):
+            return old, new
+
+
+def mutants(numbers: range, timeout_s: float) -> None:
+    """Prove these mutants and print what comes out, and which of them are not told apart."""
+    found, times = Counter[str](), []
+    for number in numbers:
+        old, new = mutant(number)
         start = time.perf_counter()
         proof = prove_programs(old, new, timeout_s=timeout_s)
         times.append(time.perf_counter() - start)
@@ -71,6 +78,8 @@ def mutants(count: int, timeout_s: float) -> None:
         elif is_different_after_all(old, new, LONG[word]):
             word += ' BUT DIFFERENT IN A LONG RUN'
         found[word] += 1
+        if proof.answer is Answer.UNKNOWN or 'BUT' in word:
+            print(f'mutant {number} of {old.name}: {word}: {proof.reason}', flush=True)
     apart = sum(number for word, number in found.items() if word.startswith('different'))
     missed = sum(number for word, number in found.items() if 'BUT' in word)
     for word, number in found.most_common():
@@ -122,8 +131,8 @@ def large(rungs: int) -> None:
     for _ in range(60):
         new = rng.choice(REWRITES)(rng, new)
     count = sum(len(body.rungs) for body in old.bodies)
-    mutant = mutate(rng, new)
-    for label, other in (('itself', old), ('its refactoring', new), ('a mutant', mutant)):
+    changed = mutate(rng, new)
+    for label, other in (('itself', old), ('its refactoring', new), ('a mutant', changed)):
         start = time.perf_counter()
         proof = prove_programs(old, other, timeout_s=300.0)
         took = time.perf_counter() - start
@@ -138,13 +147,14 @@ def main() -> None:
     """Print both tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--mutants', type=int, default=1000)
+    parser.add_argument('--first', type=int, default=0, help='number of the first mutant')
     parser.add_argument('--rungs', type=int, default=1000)
     parser.add_argument('--timeout', type=float, default=20.0)
     args = parser.parse_args()
     if args.rungs:
         large(args.rungs)
     if args.mutants:
-        mutants(args.mutants, args.timeout)
+        mutants(range(args.first, args.first + args.mutants), args.timeout)
 
 
 if __name__ == '__main__':

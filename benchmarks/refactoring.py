@@ -2,33 +2,40 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tables 1 and 2 of paper 1 on our three-floor elevator, by hand and by itself; clones at scale.
 
+Also where the bytes of the files are, and what composites save against the same program with each
+of them drawn out where it is used, comments included.
+
 python benchmarks/refactoring.py [RUNS]
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
+import re
 import shutil
 import sys
 import tempfile
 import time
 
 from ladder_ros import refactoring
-from ladder_ros.refactoring import Measured
+from ladder_ros.refactoring import Goal, Measured
 from ladder_ros.resources import find_resource
 
-WAYS = ('flat', 'by hand', 'by hand, library', 'auto', 'auto, library')
+WAYS = ('flat', 'by hand', 'by hand, library', 'auto', 'auto, library', 'auto for bytes')
+KINDS = ('texts', 'declarations', 'parameters', 'definitions', 'uses', 'other rungs')
 RUNGS = 10_000
 
 
 def prepared(folder: Path) -> list[Path]:
-    """Write the five programs into a folder."""
+    """Write the six programs into a folder."""
     paths = [folder / f'{way.replace(", ", "_").replace(" ", "_")}.xml' for way in WAYS]
-    flat, hand, hand_library, auto, auto_library = paths
+    flat, hand, hand_library, auto, auto_library, fewest = paths
     shutil.copy(find_resource('programs', 'elevator_3_floor_flat.xml'), flat)
     shutil.copy(find_resource('programs', 'elevator_3_floor.xml'), hand)
-    auto.write_text(refactoring.auto(flat).text)
-    auto.write_text(refactoring.forget(auto).text)
+    for path, goal in ((auto, Goal.COMPONENTS), (fewest, Goal.BYTES)):
+        path.write_text(refactoring.auto(flat, goal=goal).text)
+        path.write_text(refactoring.forget(path).text)
     for path, smaller, name in ((hand, hand_library, 'hand'), (auto, auto_library, 'auto')):
         library = f'{name}_composites.xml'
         (folder / library).write_text(refactoring.export_composites(path).text)
@@ -60,6 +67,49 @@ def table_2(found: list[Measured]) -> None:
             for (text, share), width in zip(cells, widths, strict=True)))
 
 
+def drawn_out(path: Path) -> int:
+    """Return the size of a program after all its composites have been drawn out."""
+    flat = path.with_stem(f'{path.stem}_drawn_out')
+    shutil.copy(path, flat)
+    for name in re.findall('<composite name="([^"]*)"', path.read_text()):
+        flat.write_text(refactoring.inline(flat, composite=name).text)
+    flat.write_text(refactoring.forget(flat).text)
+    return flat.stat().st_size
+
+
+def bytes_by_kind(path: Path) -> dict[str, int]:
+    """Return how many bytes of a program stand for what; ``texts`` are all comments and prose."""
+    found = Counter[str]()
+    section = ''
+    for line in path.read_text().splitlines(keepends=True):
+        tag = line.strip().split()[0].strip('<>/')
+        section = tag if tag in ('composite', 'variables', 'body') else section
+        texts = sum(map(len, re.findall(' comment="[^"]*"', line)))
+        if tag == 'specification' or tag.startswith('specification>'):
+            texts = len(line)
+        found['texts'] += texts
+        kind = 'definitions' if section == 'composite' else 'other rungs'
+        if tag == 'parameter':
+            kind = 'parameters'
+        elif tag == 'instance':
+            kind = 'uses'
+        elif section != 'composite' and tag in ('?xml', 'ladder', 'variables', 'variable',
+                                                'tasks', 'task', 'use', 'body'):
+            kind = 'declarations'
+        found[kind] += len(line) - texts
+    assert sum(found.values()) == path.stat().st_size
+    return {kind: found[kind] for kind in KINDS}
+
+
+def table_of_bytes(paths: list[Path]) -> None:
+    print(f'\n{"bytes":20}' + ''.join(f'{kind:>14}' for kind in KINDS) + f'{"saved*":>10}')
+    for way, path in zip(WAYS, paths, strict=True):
+        share = '' if 'library' in way else f'{1 - path.stat().st_size / drawn_out(path):.2%}'
+        print(f'{way:20}' + ''.join(f'{size:>14}' for size in bytes_by_kind(path).values())
+              + f'{share:>10}')
+    print('* against the same program with its composites drawn out where they are used')
+
+
 def large_program(rungs: int) -> str:
     """Return a program in which three drawings stand again and again with other names."""
     lines = ['<ladder version="1" name="large"><variables>']
@@ -88,9 +138,11 @@ def large_program(rungs: int) -> str:
 def main() -> None:
     runs = int(sys.argv[1]) if len(sys.argv) > 1 else refactoring.DEFAULT_RUNS
     with tempfile.TemporaryDirectory() as folder:
-        found = list(refactoring.measure_files(prepared(Path(folder)), runs=runs))
+        paths = prepared(Path(folder))
+        found = list(refactoring.measure_files(paths, runs=runs))
         table_1(found[1])
         table_2(found)
+        table_of_bytes(paths)
         large = Path(folder) / 'large.xml'
         large.write_text(large_program(RUNGS))
         start = time.process_time()

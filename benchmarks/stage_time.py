@@ -11,25 +11,29 @@ import argparse
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 import gc
+from pathlib import Path
+import sys
 import time
 import tracemalloc
 from unittest.mock import patch
 
-from synthetic import flat_plant, program_of
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT / 'test'), str(ROOT)]
 
-from ladder_ros.compiler import pipeline
-from ladder_ros.executable import Variant
-from ladder_ros.source.model_to_xml import write_program
-from ladder_ros.source.read_any import parse_any
+from support.plants import flat_plant, program_of  # noqa: E402
+
+from ladder_ros.compiler import pipeline  # noqa: E402
+from ladder_ros.executable import Variant  # noqa: E402
+from ladder_ros.source.model_to_xml import write_program  # noqa: E402
+from ladder_ros.source.read_any import parse_any  # noqa: E402
 
 SIZES = (10, 100, 1000, 10_000)
 STAGES: Mapping[str, tuple[str, ...]] = {
     'resolve': ('resolve_symbols',),
     'connect': ('analyse_connections',),
     'graph': ('build_aov', 'expand_inline'),
-    'reduce': ('reduce_to_tree',),
-    'lower': ('lower_to_il',),
-    'link': ('link_code', 'list_components'),
+    'code': ('code_rungs',),
+    'link': ('link_code',),
     'verify': ('verify_il', 'check_size', 'check_coils'),
     'lay out': ('lay_out',),
     'inventory': ('list_rungs', 'list_tasks', 'list_routines'),

@@ -17,7 +17,7 @@ from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.drawing.rung_text import draw_program, Style
 from ladder_ros.model.program import Composite, Program
 from ladder_ros.refactor import library
-from ladder_ros.refactor.auto import refactor
+from ladder_ros.refactor.auto import Goal, refactor
 from ladder_ros.refactor.clones import find_repeats, MOST_PARAMETERS, Repeat
 from ladder_ros.refactor.inline import inline_composite, inline_instance
 from ladder_ros.refactor.metrics import (
@@ -55,6 +55,7 @@ __all__ = [
     'MOST_PARAMETERS',
     'Counts',
     'Edit',
+    'Goal',
     'Granularity',
     'LoadTime',
     'Measured',
@@ -146,10 +147,11 @@ def find(
 
 def auto(
     path: str | os.PathLike[str], *, most_parameters: int = MOST_PARAMETERS,
+    goal: Goal = Goal.COMPONENTS,
 ) -> Edit:
     """Make composites of what repeats, the best first, until nothing pays."""
     before = _own(path)
-    after, steps = refactor(before, most_parameters=most_parameters)
+    after, steps = refactor(before, most_parameters=most_parameters, goal=goal)
     saved = measure(before).counts - measure(after).counts
     return _edit(after, (
         f'{step.name} for {", ".join(map(str, step.repeat.occurrences))}' for step in steps),

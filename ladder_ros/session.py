@@ -8,9 +8,10 @@ program file and return; a :class:`Session` runs one program in a thread of its 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from datetime import datetime, timezone
 import os
+from typing import TypeVar
 
 from ladder_ros.background.process import COMPILER
 from ladder_ros.compiler.dump import dump_stage, STAGES
@@ -41,7 +42,7 @@ from ladder_ros.runtime.names import find_slot, named_slots, value_for
 from ladder_ros.runtime.online_change import SwapReport
 from ladder_ros.runtime.preflight import Preflight, Verdict
 from ladder_ros.runtime.process_image import Write
-from ladder_ros.runtime.quiet import giving_way, QUIET
+from ladder_ros.runtime.quiet import giving_way, in_parts, QUIET
 from ladder_ros.runtime.recorder import RecordSummary, TraceRecorder
 from ladder_ros.runtime.replay import read_trace, replay_trace, ReplayResult
 from ladder_ros.runtime.retention import Retention
@@ -100,6 +101,8 @@ __all__ = [
 DEFAULT_BACKEND = next(iter(BACKENDS))
 EXPORTS = ('xml', 'plcopen', 'st', 'il')
 """The forms in which a program can be written."""
+
+_T = TypeVar('_T')
 
 
 # -- looking at a file --------------------------------------------------------------------------
@@ -277,21 +280,30 @@ class Session:
             backend = before.backend if before else DEFAULT_BACKEND
         # What is compiled here leaves much behind, which is freed in one go when it is replaced.
         runs = self._is_real or self.state is ControllerState.RUNNING
-        if not (self._background and runs) or openplc_folder(os.fspath(path)) is not None:
+        if not (self._background and runs):
             return compile_file(path, backend)
-        data = read_file(path)
-        source_hash = file_hash(data, os.fspath(path))
-        if before is not None and (before.source_hash, before.backend) == (source_hash, backend):
-            return Loaded(path=os.fspath(path), name=before.name, source_hash=source_hash,
-                          executable=before.executable, diagnostics=before.diagnostics,
-                          source=data)
         with giving_way(self.interval_ns):
+            self._controller.breathe()
+            if openplc_folder(os.fspath(path)) is not None:
+                return compile_file(path, backend)
+            data = read_file(path)
+            source_hash = file_hash(data, os.fspath(path))
+            if before is not None and (
+                    before.source_hash, before.backend) == (source_hash, backend):
+                return Loaded(path=os.fspath(path), name=before.name, source_hash=source_hash,
+                              executable=before.executable, diagnostics=before.diagnostics,
+                              source=data)
             compilation = COMPILER.compile(
                 data, os.fspath(path), backend=backend, timeout=timeout_s,
                 breathe=self._controller.breathe)
         return Loaded(
             path=os.fspath(path), name=compilation.executable.name, source_hash=source_hash,
             executable=compilation.executable, diagnostics=compilation.diagnostics, source=data)
+
+    def in_turns(self, items: Iterable[_T]) -> Iterator[_T]:
+        """Yield items that take long to make, a few at a time between two scans."""
+        with giving_way(self.interval_ns):
+            yield from in_parts(items, self._controller.breathe)
 
     def load(self, path: str | os.PathLike[str], backend: str | None = None) -> Change:
         """Compile a program and put it in the place of the present one; see :meth:`commit`."""

@@ -176,10 +176,24 @@ def components() -> st.SearchStrategy[Component]:
 
 
 def rungs(max_components: int = 4) -> st.SearchStrategy[Rung]:
-    """Generate rungs of components that need not fit together."""
-    return st.builds(
+    """Generate rungs of components that need not fit together, or of one instance."""
+    return st.one_of(rungs_of_one_instance(), st.builds(
         Rung, id=identifiers(), width=st.integers(1, NUMBER_LIMIT),
-        components=_few(components(), max_components), comment=texts())
+        components=_few(components(), max_components), comment=texts()))
+
+
+@st.composite
+def rungs_of_one_instance(draw: st.DrawFn) -> Rung:
+    """Generate rungs that an instance fills, or almost."""
+    width = draw(st.integers(1, 3))
+    placement = Placement(
+        x=draw(st.sampled_from((0, 0, 0, 1))), y=0, width=draw(st.sampled_from((width, width, 1))),
+        height=draw(st.integers(1, 3)), up=draw(st.sampled_from((Side.NONE, Side.LEFT))))
+    instance = Instance(
+        id=draw(st.sampled_from(('i1', 'i1', 'i2'))), placement=placement, composite=draw(names()),
+        instance=draw(names()), arguments=draw(_few(arguments('operand', 'source'))),
+        was=draw(places(members=True)), comment=draw(st.sampled_from(('', '', 'text'))))
+    return Rung(id=draw(identifiers()), width=width, components=(instance,), comment=draw(texts()))
 
 
 @st.composite

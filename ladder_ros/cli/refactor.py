@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from ladder_ros import refactoring
 from ladder_ros.cli.actions import Action, add_actions, edited, run_action
 from ladder_ros.cli.verb import add_output, Answer, Verb
-from ladder_ros.refactoring import Repeat
+from ladder_ros.refactoring import Goal, Repeat
 
 _Parser = argparse.ArgumentParser
 
@@ -45,12 +45,18 @@ def _repeats(found: Sequence[Repeat]) -> Iterator[str]:
 
 def _add_auto(parser: _Parser) -> None:
     _add_limit(parser)
+    parser.add_argument(
+        '--for', dest='goal', choices=[goal.value for goal in Goal],
+        default=Goal.COMPONENTS.value,
+        help='what each composite has to save (default components); bytes leaves out those whose '
+             'definition takes more room than they save')
     add_output(parser)
 
 
 def _auto(args: argparse.Namespace) -> Answer:
     return edited(
-        refactoring.auto(args.program, most_parameters=args.most_parameters), args)
+        refactoring.auto(
+            args.program, most_parameters=args.most_parameters, goal=Goal(args.goal)), args)
 
 
 # -- extracting -----------------------------------------------------------------------------------

@@ -151,7 +151,7 @@ class _Expander:
             self.aov,
             symbols=tuple(replace(s, id=number[s.id]) for s in self.symbols),
             virtuals=tuple(replace(v, id=number[v.id]) for v in kept),
-            arcs=tuple(arcs))
+            arcs=tuple(arcs), likeness=None)
 
 
 def _renamed(

@@ -8,7 +8,7 @@ Fails:  a composite that names a variable of the program (L0203): it sees only i
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 import re
 
@@ -20,6 +20,7 @@ from ladder_ros.compiler.symbols import (
     Symbol,
     Symbols,
 )
+from ladder_ros.compiler.unchanged import same_rungs
 from ladder_ros.diagnostics import Diagnostic, Location, problem
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.component import (
@@ -41,17 +42,24 @@ NAME = re.compile(r'[A-Za-z_][A-Za-z0-9_]*$')
 IDENTIFIER = re.compile(r'[A-Za-z0-9_]+$')
 
 
-def resolve_symbols(program: Program) -> tuple[Symbols, tuple[Diagnostic, ...]]:
-    """Return the program's symbols and everything that is wrong with its names and types."""
-    resolver = _Resolver(program=program)
+def resolve_symbols(
+    program: Program, before: tuple[Program, Symbols] | None = None,
+) -> tuple[Symbols, tuple[Diagnostic, ...]]:
+    """Return the program's symbols and everything that is wrong with its names and types.
+
+    ``before`` is an earlier program and its symbols: what they say of rungs is taken over.
+    """
+    resolver = _Resolver(program=program, before=before)
     return resolver.run(), tuple(resolver.found)
 
 
 @dataclass(slots=True, kw_only=True)
 class _Resolver:
     program: Program
+    before: tuple[Program, Symbols] | None = None
     found: list[Diagnostic] = field(default_factory=list)
-    resolved: dict[tuple[str, str], dict[str, Resolved]] = field(default_factory=dict)
+    noted: set[int] = field(default_factory=set)
+    resolved: dict[tuple[str, str], Mapping[str, Resolved]] = field(default_factory=dict)
     composites: dict[str, Composite] = field(default_factory=dict)
 
     @property
@@ -89,9 +97,11 @@ class _Resolver:
         for body in program.bodies:
             scopes[f'body {body.name.casefold()}'] = replace(shared, pou=body.name)
         pous: list[Pou] = [*program.composites, *program.bodies]
+        same = {} if self.before is None else same_rungs(*self.before, program, scopes)
         for pou in pous:
-            self._resolve_pou(pou, scopes[pou_key(pou)])
-        return Symbols(scopes=scopes, resolved=self.resolved, composites=ordered)
+            self._resolve_pou(pou, scopes[pou_key(pou)], same.get(pou_key(pou), {}))
+        return Symbols(scopes=scopes, resolved=self.resolved, composites=ordered, same=same,
+                       noted=frozenset(self.noted))
 
     def _unique(
         self, names: Iterable[tuple[str, Location]], taken: dict[str, Location] | None = None,
@@ -190,7 +200,9 @@ class _Resolver:
                 untyped[name.casefold()] = type_
         for rung in rungs:
             for component in rung.components:
-                if not isinstance(component, (Block, Instance)) or not component.instance:
+                if type(component) is not Block and type(component) is not Instance:
+                    continue
+                if not component.instance:
                     continue
                 type_ = component.type if isinstance(component, Block) else component.composite
                 key = component.instance.casefold()
@@ -234,10 +246,17 @@ class _Resolver:
                 'L0222', component.location, name=component.instance,
                 related=((place, 'also called here'),)))
 
-    def _resolve_pou(self, pou: Pou, scope: Scope) -> None:
+    def _resolve_pou(self, pou: Pou, scope: Scope, same: Mapping[int, int]) -> None:
         self._unique(((r.id, r.location) for r in pou.rungs), pattern=IDENTIFIER)
         contacts: dict[str, Resolved] = {}
+        key = pou_key(pou)
         for rung in pou.rungs:
+            if id(rung) in same:
+                assert self.before is not None
+                place = key, rung.id.casefold()
+                self.resolved[place] = self.before[1].resolved[place]
+                continue
+            before = len(self.found)
             self._unique(((c.id, c.location) for c in rung.components), pattern=IDENTIFIER)
             if rung.wires is not None:
                 continue
@@ -245,11 +264,14 @@ class _Resolver:
             in_rung = RungResolver(
                 report=self.report, scope=scope, rung=rung, by_id=by_id,
                 composites=self.composites, contacts=contacts)
-            found = self.resolved.setdefault((pou_key(pou), rung.id.casefold()), {})
+            found: dict[str, Resolved] = {}
             for component in rung.components:
                 resolved = in_rung.resolve(component)
                 if resolved is not None:
                     found[component.id.casefold()] = resolved
+            self.resolved[key, rung.id.casefold()] = found
+            if len(self.found) > before:
+                self.noted.add(id(rung))
 
 
 def _instances(composite: Composite) -> Iterable[Instance]:

@@ -52,7 +52,7 @@ def build_aov(
     return builder.run(), tuple(builder.found)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Plan:
     """A graph without its components; ``order`` gives their places among the wiring's parts."""
 
@@ -102,11 +102,11 @@ class _Builder:
                 self.resolved[part.component.id.casefold()].sources for part in wiring.parts):
             plan = _known_plan(_Drawing(
                 likeness=wiring.likeness, wiring=wiring, resolved=self.resolved))
-        plan = plan or self.plan()
+        likeness, plan = plan, plan or self.plan()
         symbols = tuple([
             self._symbol(wiring.parts[place], number) for number, place in enumerate(plan.order)])
         return Aov(rung=wiring.rung.id, comment=wiring.rung.comment, symbols=symbols,
-                   virtuals=plan.virtuals, arcs=plan.arcs)
+                   virtuals=plan.virtuals, arcs=plan.arcs, likeness=likeness)
 
     def plan(self) -> _Plan:
         wiring = self.wiring

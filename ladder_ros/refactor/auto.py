@@ -5,6 +5,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
+
+from typing_extensions import assert_never
 
 from ladder_ros.model.program import Program
 from ladder_ros.refactor.clones import MOST_PARAMETERS, Repeat, repeats_in
@@ -13,6 +16,15 @@ from ladder_ros.refactor.fit import Role
 from ladder_ros.refactor.fragments import shape_program
 from ladder_ros.refactor.metrics import measure
 from ladder_ros.refactor.naming import common_name, is_block, unique
+from ladder_ros.refactor.unused import forget
+from ladder_ros.source.model_to_xml import write_program
+
+
+class Goal(Enum):
+    """What each step of a refactoring has to make fewer."""
+
+    COMPONENTS = 'components'
+    BYTES = 'bytes'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,32 +40,46 @@ class Step:
 
 
 def refactor(
-    program: Program, *, most_parameters: int = MOST_PARAMETERS,
+    program: Program, *, most_parameters: int = MOST_PARAMETERS, goal: Goal = Goal.COMPONENTS,
 ) -> tuple[Program, tuple[Step, ...]]:
     """Return the program with composites for what repeats, and the steps that led there.
 
-    Each step saves components, so there is an end.  Raises LadderError with the program's errors.
+    Each step comes nearer to the goal, so there is an end.  Raises LadderError with the program's
+    errors.
     """
     steps: list[Step] = []
-    while (step := _best_step(program, most_parameters)) is not None:
+    while (step := _best_step(program, most_parameters, goal)) is not None:
         program, done = step
         steps.append(done)
     return program, tuple(steps)
 
 
-def _best_step(program: Program, most_parameters: int) -> tuple[Program, Step] | None:
+def _best_step(
+    program: Program, most_parameters: int, goal: Goal,
+) -> tuple[Program, Step] | None:
     """Return the program after its best extraction; None if none pays.
 
     What a rung costs whose parts are boxes shows when it is drawn.
     """
     shapes = shape_program(program)
-    drawn = measure(program).counts.components
+    before = _cost(program, goal)
     for repeat in repeats_in(shapes, most_parameters):
         name = suggest_name(program, repeat)
         smaller = extract(shapes.analysis, repeat.fit, name=name)
-        if measure(smaller).counts.components < drawn:
+        if _cost(smaller, goal) < before:
             return smaller, Step(name=name, repeat=repeat)
     return None
+
+
+def _cost(program: Program, goal: Goal) -> int:
+    """Return what a program has too much of; where its state was does not stay in the file."""
+    match goal:
+        case Goal.COMPONENTS:
+            return measure(program).counts.components
+        case Goal.BYTES:
+            return len(write_program(forget(program)).encode())
+        case _:
+            assert_never(goal)
 
 
 def suggest_name(program: Program, repeat: Repeat) -> str:

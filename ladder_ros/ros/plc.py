@@ -92,7 +92,8 @@ class Plc:
             'preflight': self.preflight, 'test': self.test, 'untest': self.untest,
             'accept': self.accept, 'shadow': self.shadow, 'end_shadow': self.end_shadow,
             'record': self.record, 'end_record': self.end_record,
-        }, self._note_error, self._after_service)
+        }, self._note_error, self._after_service,
+            lambda items: self._cell.session.in_turns(items))
 
     @property
     def cell(self) -> Cell:

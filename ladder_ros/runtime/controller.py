@@ -114,6 +114,12 @@ class Controller:
         return cycle.task_statistics() if cycle else ()
 
     @property
+    def runs_as(self) -> str | None:
+        """The backend whose code runs now; None without a program."""
+        cycle = self._programs.cycle
+        return cycle.runs_as if cycle else None
+
+    @property
     def share(self) -> Share:
         """How much of the program is executed."""
         cycle = self._programs.cycle

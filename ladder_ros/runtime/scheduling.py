@@ -3,8 +3,8 @@
 """Scheduling: what the operating system is asked for, as far as nobody needs rights for it.
 
 Linux lets a thread that computes finish its slice, some milliseconds, before one that wakes up
-gets its turn (EEVDF, from 6.6 on), even at the lowest priority.  From 6.12 on a thread with a
-shorter slice need not wait.
+gets its turn (EEVDF, from 6.6 on), even at the lowest priority.  Only one of the class SCHED_IDLE
+gives way at once; from 6.12 on a thread with a shorter slice need not wait either.
 """
 
 from __future__ import annotations
@@ -51,5 +51,8 @@ def stay_behind() -> None:
     """
     if hasattr(os, 'nice'):
         os.nice(_NICE)
+    if hasattr(os, 'SCHED_IDLE'):
+        with suppress(OSError):
+            os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
     with suppress(OSError):
         Path('/proc/self/autogroup').write_text(str(_SESSION_NICE), encoding='ascii')

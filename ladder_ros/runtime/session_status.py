@@ -25,6 +25,7 @@ def session_status(
         'path': loaded.path if loaded else None,
         'hash': loaded.source_hash if loaded else None,
         'backend': loaded.backend if loaded else None,
+        'runs_as': controller.runs_as,
         'interval_ms': controller.interval / NS_PER_MS,
         'scans': statistics.scans,
         'overruns': statistics.overruns,

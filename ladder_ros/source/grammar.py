@@ -14,6 +14,8 @@ import re
 
 VERSION = '1'
 """The format version that this release reads and writes."""
+INSTANCE_ALONE = 'i1'
+"""The id of an instance that is a rung of its own."""
 
 SCHEMA_INSTANCE = 'http://www.w3.org/2001/XMLSchema-instance'
 
@@ -58,6 +60,8 @@ POSITION = re.compile(r'-?[0-9]{1,9}')
 PORT = re.compile(r'[A-Za-z0-9_\-]+(?:\..{1,128})?')
 """An end of a wire: the id of an element, and the pin of a block."""
 
+RUNGS = ('rung', 'instance')
+"""What stands for a rung in a body or composite: an instance there fills one of its own."""
 COMPONENTS = ('contact', 'coil', 'row', 'column', 'block', 'instance')
 WIRED = ('contact', 'coil', 'block', 'instance', 'in', 'out', 'jump', 'label')
 """What stands in a drawing with wires."""
@@ -114,9 +118,9 @@ RULES: Mapping[str, Rule] = {
     'composite': Rule(
         required=('name', 'call'), optional=('category', 'unsupported'),
         children=(_SPECIFICATION, _many('parameter'), _many('variable'), _many('external'),
-                  _many('rung', 'drawing'), _one('st'))),
+                  _many(*RUNGS, 'drawing'), _one('st'))),
     'parameter': Rule(
-        required=('name', 'type', 'direction'), optional=('default', 'comment'),
+        required=('name', 'type'), optional=('direction', 'default', 'comment'),
         children=(_many('initial'),)),
     'composite/variable': Rule(
         required=('name', 'type'),
@@ -143,10 +147,13 @@ RULES: Mapping[str, Rule] = {
         optional=('interval', 'priority', 'single', 'watchdog', 'sensitivity')),
     'body': Rule(
         required=('name',), optional=('run', 'task', 'comment', 'unsupported'),
-        children=(_many('rung', 'drawing'), _one('st'))),
+        children=(_many(*RUNGS, 'drawing'), _one('st'))),
     'st': Rule(),
     'rung': Rule(
         required=('id', 'width'), optional=('comment',), children=(_many(*COMPONENTS),)),
+    'body/instance': Rule(
+        required=('rung', 'composite', 'instance'),
+        optional=('width', 'height', 'bind', 'was', 'comment'), children=(_many('argument'),)),
     'contact': Rule(
         required=('id', 'x', 'y', 'operand'),
         optional=('width', 'height', 'kind', 'was', *_SIDES, *_TEXTS),

@@ -9,7 +9,6 @@ same program, and writing that gives the same text, so that files compare line b
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 from typing_extensions import assert_never
 
@@ -48,6 +47,7 @@ from ladder_ros.model.program import (
     Body,
     CallKind,
     Composite,
+    Direction,
     Parameter,
     Pou,
     Program,
@@ -60,7 +60,13 @@ from ladder_ros.model.program import (
 from ladder_ros.model.st_printing import print_expression, print_statements
 from ladder_ros.model.types import DataType, format_literal, format_time
 from ladder_ros.source.drawing_to_xml import write_drawing
-from ladder_ros.source.grammar import ADDRESS, BINDING, MAX_ATTRIBUTE, VERSION
+from ladder_ros.source.grammar import (
+    ADDRESS,
+    BINDING,
+    INSTANCE_ALONE,
+    MAX_ATTRIBUTE,
+    VERSION,
+)
 from ladder_ros.source.named_types import with_named_types
 from ladder_ros.source.xml_lines import (
     Attributes,
@@ -212,8 +218,8 @@ def _body(body: Body, texts: Mapping[str, str]) -> Lines:
 
 
 def _parameter(parameter: Parameter) -> Lines:
-    attributes = [('name', parameter.name), ('type', type_name(parameter.type)),
-                  ('direction', parameter.direction.value)]
+    attributes = [('name', parameter.name), ('type', type_name(parameter.type))]
+    attributes += optional('direction', parameter.direction.value, Direction.INPUT.value)
     if parameter.default is not None and elementary(parameter.type) is not None:
         attributes.append(('default', initial_text(parameter.type, parameter.default)))
     attributes += optional('comment', parameter.comment)
@@ -249,19 +255,29 @@ def _task(task: Task) -> Lines:
 
 
 def _rung(rung: Rung) -> Lines:
+    alone = _alone(rung)
+    if alone is not None:
+        attributes, arguments = _instance(alone)
+        yield from element('instance', [
+            ('rung', rung.id), *_size(alone.placement), *attributes,
+            *optional('comment', rung.comment)], arguments)
+        return
     attributes = [('id', rung.id), ('width', str(rung.width))]
     attributes += optional('comment', rung.comment)
     yield from element('rung', attributes, (
         line for component in rung.components for line in _component(component)))
 
 
-def rung_text(rung: Rung) -> str:
-    """Return a rung as it stands in a file, but for where its state was in earlier programs."""
-    components = tuple(
-        replace(component, was=())
-        if isinstance(component, (Contact, Coil, Block, Instance)) and component.was else component
-        for component in rung.components)
-    return '\n'.join(_rung(replace(rung, components=components)))
+def _alone(rung: Rung) -> Instance | None:
+    """Return the instance that fills a rung, if that is all there is to say of the rung."""
+    match rung.components:
+        case (Instance() as found,):
+            placement = Placement(
+                x=0, y=0, width=rung.width, height=found.placement.height)
+            if found.id == INSTANCE_ALONE and found.placement == placement and not (
+                    found.name or found.comment or found.specification):
+                return found
+    return None
 
 
 def _component(component: Component) -> Lines:
@@ -287,18 +303,15 @@ def _component(component: Component) -> Lines:
             arguments = [
                 *(line for item in component.inputs for line in _argument('input', item)),
                 *(line for item in component.outputs for line in _argument('output', item))]
-        case Instance(composite=composite, instance=instance):
+        case Instance():
             tag = 'instance'
-            attributes += [('composite', composite), ('instance', instance)]
-            bind = _bindings(component.arguments)
-            attributes += optional('bind', bind)
-            arguments = [] if bind else [
-                line for item in component.arguments for line in _argument('argument', item)]
+            inner, arguments = _instance(component)
+            attributes += inner
         case InVariable() | OutVariable() | Jump() | Label():
             raise InternalError('model_to_xml', 'our format has no wires', component.location)
         case _:
             assert_never(component)
-    if isinstance(component, (Contact, Coil, Block, Instance)):
+    if isinstance(component, (Contact, Coil, Block)):
         attributes += optional('was', ' '.join(component.was))
     attributes += _sides(component.placement)
     attributes += optional('name', component.name)
@@ -306,12 +319,24 @@ def _component(component: Component) -> Lines:
     yield from element(tag, attributes, [*specification(component.specification), *arguments])
 
 
+def _instance(instance: Instance) -> tuple[Attributes, Content]:
+    """Return what tells of a composite in use: attributes, and the arguments that need lines."""
+    bind = _bindings(instance.arguments)
+    attributes = [
+        ('composite', instance.composite), ('instance', instance.instance),
+        *optional('bind', bind), *optional('was', ' '.join(instance.was))]
+    return attributes, [] if bind else [
+        line for item in instance.arguments for line in _argument('argument', item)]
+
+
 def _placement(identifier: str, placement: Placement) -> Attributes:
-    attributes = [('id', identifier), ('x', str(placement.x)), ('y', str(placement.y))]
-    if placement.width > 1:
-        attributes.append(('width', str(placement.width)))
-    attributes += optional('height', str(placement.height), '1')
-    return attributes
+    return [('id', identifier), ('x', str(placement.x)), ('y', str(placement.y)),
+            *_size(placement)]
+
+
+def _size(placement: Placement) -> Attributes:
+    width = [('width', str(placement.width))] if placement.width > 1 else []
+    return [*width, *optional('height', str(placement.height), '1')]
 
 
 def _sides(placement: Placement) -> Attributes:

@@ -71,7 +71,9 @@ def openplc_folder(path: str) -> Path | None:
 
 def file_hash(data: bytes, file: str) -> str:
     """Return the SHA-256 of a program's bytes, and of its import options where there are any."""
-    return hashlib.sha256(data + import_options(file).text).hexdigest()
+    digest = hashlib.sha256(data)
+    digest.update(import_options(file).text)
+    return digest.hexdigest()
 
 
 def folder_hash(folder: Path) -> str:

@@ -7,7 +7,9 @@ Form only: names are legal here, whether they mean something is the compiler's t
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 import os
 
 from ladder_ros.diagnostics import LadderError, Location, problem
@@ -94,6 +96,8 @@ class _Reader:
         """Uses of composites, and whether they stand in a drawing with wires."""
         self.blocks: list[tuple[str, str]] = []
         """Instances of function blocks that the section being read declares."""
+        self.placements: dict[tuple[object, ...], Placement] = {}
+        """Good placements, each once: many components stand in the same place of their rungs."""
 
     # -- the program ------------------------------------------------------------------------
 
@@ -269,14 +273,14 @@ class _Reader:
         if call in _DRAWN_HERE:
             expected = 'write call="block" for a function block of another editor'
             for child in parts:
-                if child.tag != 'rung':
+                if child.tag not in grammar.RUNGS:
                     self.misplaced(child, f'a composite with call="{call.value}"', expected)
             for child in located:
                 attribute = 'at' if 'at' in child.attributes else 'class'
                 self.form.bad_value(child, attribute, 'only call="block" has such variables')
         else:
             for child in parts:
-                if child.tag == 'rung':
+                if child.tag in grammar.RUNGS:
                     self.misplaced(child, f'a composite with call="{call.value}"',
                                    'write a <drawing> or <st>, or call="enabled"')
         rungs, statements = self.parts(parts)
@@ -314,10 +318,11 @@ class _Reader:
         for element in elements:
             if element.tag == 'external':
                 continue
-            if first and (element.tag != 'rung' or first != 'rung'):
+            kind = 'rung' if element.tag in grammar.RUNGS else element.tag
+            if first and (kind != 'rung' or first != 'rung'):
                 self.misplaced(element, f'a body that has <{first}>',
                                'a body is rungs, or one drawing, or one text')
-            first = first or element.tag
+            first = first or kind
             if element.tag == 'st':
                 statements = self.foreign.statements(element)
             elif element.tag == 'drawing':
@@ -329,7 +334,7 @@ class _Reader:
                         (c for c in rungs[-1].components if isinstance(c, Instance)),
                         strict=True)]
             else:
-                rungs.append(self.rung(element))
+                rungs.append(self.rung(element) if element.tag == 'rung' else self.alone(element))
         return tuple(rungs), statements
 
     def misplaced(self, element: Element, where: str, expected: str) -> None:
@@ -362,6 +367,25 @@ class _Reader:
             id=identifier, width=width, components=components,
             comment=element.attributes.get('comment', ''), location=place)
 
+    def alone(self, element: Element) -> Rung:
+        """Return the rung that an instance fills: it stands for both."""
+        self.form.count(element, 'rungs', grammar.MAX_RUNGS)
+        self.form.count(element, 'components', grammar.MAX_COMPONENTS)
+        rule = RULES['body/instance']
+        self.form.rung_id = shown(element.attributes.get('rung', ''))
+        self.form.check(element, rule)
+        identifier, place = self.form.identifier(element, 'rung'), self.form.here(element)
+        self.form.cell = (0, 0)
+        placement = self.placement(element)
+        instance = self.instance(
+            element, grammar.INSTANCE_ALONE, placement,
+            [self.argument(child) for child in self.form.children(element, rule)])
+        self.form.cell = None
+        self.form.rung_id = ''
+        return Rung(
+            id=identifier, width=placement.width, components=(instance,),
+            comment=element.attributes.get('comment', ''), location=place)
+
     def component(self, element: Element) -> Component:
         self.form.count(element, 'components', grammar.MAX_COMPONENTS)
         try:
@@ -370,6 +394,21 @@ class _Reader:
             self.form.cell = None
 
     def placement(self, element: Element) -> Placement:
+        get = element.attributes.get
+        x, y = get('x'), get('y')
+        key = (element.tag == 'column', x, y, get('width'), get('height'), get('up'), get('down'))
+        place = self.placements.get(key)
+        if place is None:
+            before = len(self.form.findings.diagnostics)
+            place = self.new_placement(element)
+            if len(self.form.findings.diagnostics) == before and not (x is None or y is None):
+                self.placements[key] = place
+        else:
+            self.form.cell = (place.x, place.y)
+        self.form.count(element, 'cells', grammar.MAX_CELLS, place.width * place.height)
+        return place
+
+    def new_placement(self, element: Element) -> Placement:
         attributes = element.attributes
         x, y = attributes.get('x', ''), attributes.get('y', '')
         if grammar.NUMBER.fullmatch(x) and grammar.NUMBER.fullmatch(y):
@@ -377,7 +416,6 @@ class _Reader:
         # A vertical line stands on a grid line and covers no cell.
         width = 0 if element.tag == 'column' else self.form.size(element, 'width')
         height = self.form.size(element, 'height')
-        self.form.count(element, 'cells', grammar.MAX_CELLS, width * height)
         return Placement(
             x=self.form.number(element, 'x'), y=self.form.number(element, 'y'),
             width=width, height=height, up=self.form.word(element, 'up', Side.NONE),
@@ -391,8 +429,8 @@ class _Reader:
         name = element.attributes.get('name', '')
         comment = element.attributes.get('comment', '')
         specification = ''
-        inner: dict[str, list[Argument]] = {'input': [], 'output': [], 'argument': []}
-        for child in self.form.children(element, rule):
+        inner: dict[str, list[Argument]] = defaultdict(list)
+        for child in self.form.children(element, rule) if element.children else ():
             if child.tag == 'specification':
                 specification = self.form.specification(child)
             else:
@@ -426,14 +464,23 @@ class _Reader:
                     was=self.form.was(element), name=name, comment=comment,
                     specification=specification, location=place)
             case _:
-                self.uses.append((element, place, False))
-                return Instance(
-                    id=identifier, placement=placement,
-                    composite=self.form.operand(element, 'composite'),
-                    instance=self.form.name(element, 'instance'),
-                    arguments=(*self.bound(element), *inner['argument']),
-                    was=self.form.was(element), name=name, comment=comment,
-                    specification=specification, location=place)
+                return replace(
+                    self.instance(element, identifier, placement, inner['argument']),
+                    name=name, comment=comment, specification=specification)
+
+    def instance(
+        self, element: Element, identifier: str, placement: Placement,
+        arguments: Iterable[Argument],
+    ) -> Instance:
+        """Return a composite in use."""
+        place = self.form.here(element)
+        self.uses.append((element, place, False))
+        return Instance(
+            id=identifier, placement=placement,
+            composite=self.form.operand(element, 'composite'),
+            instance=self.form.name(element, 'instance'),
+            arguments=(*self.bound(element), *arguments), was=self.form.was(element),
+            location=place)
 
     def bound(self, element: Element) -> tuple[Argument, ...]:
         """Return the arguments that an instance gives in short."""

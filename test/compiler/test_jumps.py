@@ -286,7 +286,7 @@ def test_jump_when_its_label_is_misspelt_then_the_likely_one_is_named() -> None:
 def test_il_when_it_has_jumps_then_parses_back_to_the_same() -> None:
     given_ = read_any(CASES / 'jumps.xml')
     stages = analyse(given_)
-    code = link_code(given_, lower(build_trees(given_, stages)))
+    code = link_code(given_, lower(build_trees(given_, stages))).code
     assert print_il(parse_il(print_il(code))) == print_il(code)
     assert any(network.labels for routine in parse_il(print_il(code)).routines
                for network in routine.networks)

@@ -18,9 +18,10 @@ from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.executable import SlotClass
 from ladder_ros.model.component import Column, Row
 from ladder_ros.model.program import RunKind
-from ladder_ros.refactor.auto import refactor
+from ladder_ros.refactor.auto import Goal, refactor
 from ladder_ros.refactor.metrics import measure
 from ladder_ros.refactor.select import extract_part, extract_rungs
+from ladder_ros.refactor.unused import forget
 from ladder_ros.runtime.clock import SimulatedClock
 from ladder_ros.session import Change, Session
 from ladder_ros.source.model_to_xml import write_program
@@ -123,6 +124,15 @@ def test_auto_when_given_the_flat_elevator_then_table_2_is_beaten() -> None:
     saved = 1 - measure(new).counts.components / measure(flat).counts.components
     assert saved >= 0.3012
     assert check_program(new) == ()
+
+
+def test_auto_when_bytes_count_then_no_definition_takes_more_than_it_saves() -> None:
+    flat = read_program(PROGRAMS / 'elevator_3_floor_flat.xml')
+    fewest, steps = refactor(flat, goal=Goal.BYTES)
+    sizes = [len(write_program(forget(program)).encode())
+             for program in (flat, fewest, refactor(flat)[0])]
+    assert [step.name for step in steps] == ['Lamp', 'Contactor']
+    assert sizes[1] < sizes[2] < sizes[0]
 
 
 # -- state over an online change ------------------------------------------------------------------

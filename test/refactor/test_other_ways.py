@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+import re
 
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
@@ -84,10 +85,11 @@ def test_inline_when_the_box_stands_in_a_rung_then_its_drawing_stands_there() ->
 
 
 def test_inline_when_an_enabled_box_has_contacts_before_it_then_it_is_refused() -> None:
-    text = write_program(boxed()).replace('call="inline"', 'call="enabled"').replace(
-        '<rung id="1" width="1">\n      <instance id="i1" x="0"',
-        '<rung id="1" width="2">\n      <contact id="c" x="0" y="0" operand="a"/>\n'
-        '      <instance id="i1" x="1"')
+    text = write_program(boxed()).replace('call="inline"', 'call="enabled"')
+    text = re.sub(
+        '<instance rung="1" (.*)/>', '<rung id="1" width="2">'
+        r'<contact id="c" x="0" y="0" operand="a"/><instance id="i1" x="1" y="0" \1/></rung>',
+        text)
     enabled = parse_program(text.encode())
     assert not has_errors(check_program(enabled))
     refused('L0634', lambda: inline_instance(enabled, enabled.bodies[0], 'box_1'))

@@ -40,6 +40,7 @@ EXTRACT = (
 
 @pytest.mark.parametrize('words', [
     ('refactor', 'flat.xml', 'auto'),
+    ('refactor', 'flat.xml', 'auto', '--for', 'bytes'),
     EXTRACT,
     (*EXTRACT, '--everywhere', '--category', 'lift', '--specification', 'Notes a call.'),
     ('refactor', 'flat.xml', 'extract', '--pou', 'main', '--rungs', '1', '--components', 'c1',

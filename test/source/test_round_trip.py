@@ -83,6 +83,18 @@ def test_reader_when_written_as_utf_16_then_reads_the_same_program() -> None:
     assert without_locations(parse_program(text.encode('utf-16'))) == program
 
 
+def test_instance_when_it_is_a_rung_of_its_own_then_is_the_same_as_in_a_rung() -> None:
+    short = """<ladder version="1" name="p"><body name="main">
+      <instance rung="7" width="3" height="2" composite="C" instance="c" comment="why">
+        <argument parameter="Text" operand="'a b'"/></instance></body></ladder>"""
+    long = """<ladder version="1" name="p"><body name="main"><rung id="7" width="3" comment="why">
+      <instance id="i1" x="0" y="0" width="3" height="2" composite="C" instance="c">
+        <argument parameter="Text" operand="'a b'"/></instance></rung></body></ladder>"""
+    first, second = (parse_program(text.encode()) for text in (short, long))
+    assert without_locations(first) == without_locations(second)
+    assert '<instance rung="7" width="3" height="2"' in write_program(second)
+
+
 @pytest.mark.parametrize('character', ['\0', '\x1b', '\ud800', '\uffff'])
 def test_writer_when_xml_lacks_a_character_then_refuses(character: str) -> None:
     contact = Contact(
