@@ -9,7 +9,7 @@ from dataclasses import replace
 import shutil
 
 from ladder_ros import comparing
-from ladder_ros.cli.programs import find_program
+from ladder_ros.cli.programs import check_target, find_program
 from ladder_ros.cli.terminal import shows_box_characters
 from ladder_ros.cli.verb import Answer, Verb
 from ladder_ros.diagnostics import LadderError, Location, render
@@ -32,9 +32,15 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         '--ascii', action='store_true',
         help='draw with ASCII characters (by itself where the terminal has no others)')
     parser.add_argument(
-        '--width', metavar='N', type=int, default=None,
+        '--width', metavar='N', type=_width, default=None,
         help='draw side by side what fits into so many characters (default: the terminal, or '
              f'{_WIDTH})')
+
+
+def _width(text: str) -> int:
+    if not text.isdecimal() or not int(text):
+        raise argparse.ArgumentTypeError(f'{text!r} is no number of characters')
+    return int(text)
 
 
 def _run(args: argparse.Namespace) -> Answer:
@@ -49,6 +55,8 @@ def _run(args: argparse.Namespace) -> Answer:
 def _answer(
     args: argparse.Namespace, old: str | None, new: str | None, name: str = '',
 ) -> Answer:
+    for target in filter(None, (args.svg, args.html)):
+        check_target(target, *(path for path in (old, new) if path is not None))
     changes = comparing.changes_between(old, new, name)
     facts = {'changes': changes.to_json()}
     if args.svg is not None:

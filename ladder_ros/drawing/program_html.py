@@ -15,7 +15,7 @@ from ladder_ros.diagnostics import Diagnostic, Location
 from ladder_ros.drawing.captions import text_lines
 from ladder_ros.drawing.glyphs import UNICODE
 from ladder_ros.drawing.page_style import PAGE_STYLE
-from ladder_ros.drawing.program_svg import pou_pictures, pou_prefix
+from ladder_ros.drawing.program_svg import PLAIN, pou_pictures, pou_prefix, ProgramStyle
 from ladder_ros.drawing.rung_svg import component_anchor, Picture, rung_anchor
 from ladder_ros.drawing.svg_sheet import anchor, markup, STYLE_SHEET
 from ladder_ros.model.component import Instance
@@ -41,7 +41,8 @@ Row = Sequence[str]
 class Report:
     """What a page tells: a program whose rungs are on our grid, and what is known of it.
 
-    ``facts`` stand in the header; ``measures`` by casefolded composite below its specification.
+    ``facts`` stand in the header; ``measures`` by casefolded composite below its specification;
+    ``style`` is that of the drawings.
     """
 
     program: Program
@@ -49,6 +50,7 @@ class Report:
     measures: Mapping[str, str] = field(default_factory=dict)
     diagnostics: Sequence[Diagnostic] = ()
     references: References = field(default_factory=dict)
+    style: ProgramStyle = PLAIN
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,7 +76,7 @@ def _page(report: Report) -> _Page:
     places: dict[tuple[str, ...], tuple[str, str]] = {}
     pictures: dict[tuple[bool, str], tuple[Picture, ...]] = {}
     for pou in pous:
-        drawn = tuple(pou_pictures(report.program, pou))
+        drawn = tuple(pou_pictures(report.program, pou, report.style))
         key = pou.name.casefold()
         pictures[isinstance(pou, Body), key] = tuple(picture for _, picture in drawn)
         for rung, picture in drawn:

@@ -298,7 +298,8 @@ def _content(rung: Rung) -> object:
 
 
 def _anonymous_content(rung: Rung) -> tuple[object, ...]:
-    return (tuple([plain(replace(c, id='')) for c in rung.components]), rung.comment)
+    parts = tuple([plain(replace(component, id='')) for component in rung.components])
+    return ((parts, plain(rung.wires)), rung.comment)
 
 
 def _traits(rung: Rung) -> set[str]:
