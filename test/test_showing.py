@@ -128,7 +128,8 @@ def test_report_when_a_body_and_a_composite_have_one_name_then_their_ids_are_apa
         '<ladder version="1" name="tasks">'
         '<composites><composite name="Main" call="enabled"><variable name="x" type="BOOL"/>'
         '<rung id="1" width="1"><coil id="k" x="0" y="0" operand="x"/></rung></composite>'
-        '</composites><variables><variable name="a" type="BOOL"/></variables><body name="main"><rung id="1" width="1"><coil id="k" x="0" y="0" '
+        '</composites><variables><variable name="a" type="BOOL"/></variables>'
+        '<body name="main"><rung id="1" width="1"><coil id="k" x="0" y="0" '
         'operand="a"/></rung></body><body name="variables"><rung id="1" width="1">'
         '<coil id="k" x="0" y="0" operand="a"/></rung></body></ladder>')
     for text in (showing.as_html(tmp_path / 'p.xml'), showing.as_svg(tmp_path / 'p.xml')):

@@ -182,7 +182,11 @@ def _body(page: _Page, body: Body) -> Iterator[str]:
     task = f', task {markup(body.task)}' if body.task else ''
     yield f'<h2 id="{_pou_anchor(body)}">Body {markup(body.name)} <small>{when}{task}</small></h2>'
     yield from _paragraphs(body.comment)
-    yield from _instances(page, body, set())
+    # References know POUs by name alone: what a composite of this name declares is not here.
+    yield from _instances(page, body, {
+        one.name.casefold() for composite in page.report.program.composites
+        if composite.name.casefold() == body.name.casefold()
+        for one in (*composite.parameters, *composite.variables)})
     yield from _drawings(page, body)
 
 
