@@ -121,6 +121,20 @@ def test_program_when_it_would_be_overwritten_by_a_picture_then_that_is_refused(
     assert program.read_bytes() == START_STOP.read_bytes()
 
 
+def test_svg_when_a_body_cannot_run_then_it_says_why() -> None:
+    drawn = showing.as_svg(CASES / 'editor.xml')
+    assert 'cannot run: it is written in SFC' in drawn
+
+
+def test_svg_when_an_operand_is_an_address_then_it_stands_there_once() -> None:
+    assert showing.as_svg(CASES / 'editor.xml').count('>%IX0.7</text>') == 1
+
+
+def test_pin_when_negated_then_the_inverter_is_no_function() -> None:
+    drawn = showing.as_text(CASES / 'editor.xml', 'Fill')
+    assert '|NOT|' in drawn
+
+
 def test_report_when_a_body_and_a_composite_have_one_name_then_their_ids_are_apart(
     tmp_path: Path,
 ) -> None:

@@ -20,7 +20,7 @@ from ladder_ros.compiler.imported import lowering_of
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.pipeline import completed
 from ladder_ros.compiler.symbols import author_path, Operand, pou_key, Ref, Symbols
-from ladder_ros.compiler.wires_to_aov import build_wired_aovs
+from ladder_ros.compiler.wires_to_aov import build_wired_aovs, NOT
 from ladder_ros.compiler.wiring import Rail
 from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.diagnostics import has_errors, LadderError, Severity
@@ -39,6 +39,9 @@ from ladder_ros.model.program import Body, Composite, Pou, Program, Rung, Wire
 
 BOX_WIDTH = 2
 """Columns of a block: two contacts above or below it have their places."""
+
+INVERTER = '|NOT|'
+"""Type of the box for a negation at a pin: no function NOT, it has no pins but power."""
 
 _Pou = TypeVar('_Pou', Body, Composite)
 
@@ -305,7 +308,8 @@ class _Network:
             written = (Argument(pin='OUT', operand=self._text(symbol.component)),)
         if isinstance(component, Block):
             instance = '' if symbol.instance.startswith('%') else symbol.instance
-            return replace(component, placement=size, type=component.type.lstrip('%'),
+            type_ = INVERTER if component.type == NOT else component.type
+            return replace(component, placement=size, type=type_,
                            instance=instance, inputs=arguments, outputs=written, modifiers=())
         composite = self.body.composites[component.composite.casefold()]
         order = {p.name: number for number, p in enumerate(composite.parameters)}

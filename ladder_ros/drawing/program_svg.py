@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from ladder_ros.drawing.canvas import text_width
+from ladder_ros.drawing.canvas import printable, text_width
 from ladder_ros.drawing.captions import pou_header, text_lines
 from ladder_ros.drawing.flow import Live
 from ladder_ros.drawing.glyphs import UNICODE
@@ -56,7 +56,9 @@ def program_svg(
         if rung is None:
             pictures.append(_heading(one, program.dialect != 'native'))
         pictures += (picture for _, picture in pou_pictures(program, one, style))
-        if one.statements:
+        if one.unsupported and rung is None:
+            pictures.append(_lines([f'    cannot run: {printable(one.unsupported, UNICODE)}']))
+        elif one.statements:
             pictures.append(_lines(['', *text_lines(one.statements, UNICODE)]))
     body: list[str] = []
     top = GAP
