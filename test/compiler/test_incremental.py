@@ -8,13 +8,13 @@ from dataclasses import replace
 from pathlib import Path
 from random import Random
 
+from edit.random_edits import random_edit
 from hypothesis import given, settings
 from hypothesis import strategies as st
 import pytest
 from support.plants import flat_plant, Plant, program_of, station_plant
 from support.random_rungs import Case, cases, Wishes
 
-from edit.random_edits import random_edit
 from ladder_ros.compiler import pipeline
 from ladder_ros.compiler.model_to_wiring import analyse_connections
 from ladder_ros.compiler.pipeline import Compilation, compile_program, Work
