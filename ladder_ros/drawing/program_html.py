@@ -183,10 +183,11 @@ def _body(page: _Page, body: Body) -> Iterator[str]:
     yield f'<h2 id="{_pou_anchor(body)}">Body {markup(body.name)} <small>{when}{task}</small></h2>'
     yield from _paragraphs(body.comment)
     # References know POUs by name alone: what a composite of this name declares is not here.
+    alike = [composite for composite in page.report.program.composites
+             if composite.name.casefold() == body.name.casefold()]
     yield from _instances(page, body, {
-        one.name.casefold() for composite in page.report.program.composites
-        if composite.name.casefold() == body.name.casefold()
-        for one in (*composite.parameters, *composite.variables)})
+        *(parameter.name.casefold() for one in alike for parameter in one.parameters),
+        *(variable.name.casefold() for one in alike for variable in one.variables)})
     yield from _drawings(page, body)
 
 
