@@ -7,21 +7,25 @@ Nothing here writes a file.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 import os
+from typing import TypeVar
 
 from ladder_ros.coordinates.imported import with_drawings
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.drawing.difference_html import difference_html
 from ladder_ros.drawing.difference_svg import difference_svg
 from ladder_ros.drawing.difference_text import Comparison, difference_text
-from ladder_ros.model.program import Program
+from ladder_ros.model.program import Body, Composite, Pou, Program
 from ladder_ros.refactor.diff import diff_programs
 from ladder_ros.source.read_any import read_any
 
 __all__ = ['Changes', 'changes_between']
+
+
+_Pou = TypeVar('_Pou', Body, Composite)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,9 +73,30 @@ def changes_between(
         after = replace(after, name=before.name, specification=before.specification,
                         dialect=before.dialect)
     with suppress(LadderError):  # what cannot be drawn is compared as it is
-        before, after = with_drawings(before), with_drawings(after)
+        before, after = _drawn(before, after)
     return Changes(comparison=Comparison(
         old=before, new=after, diff=diff_programs(before, after), names=_names(old, new, name)))
+
+
+def _drawn(before: Program, after: Program) -> tuple[Program, Program]:
+    """Return programs on our grid; a POU that cannot be drawn in one is as it was in both."""
+    pairs = [(program, with_drawings(program)) for program in (before, after)]
+    lost = {(type(raw), raw.name.casefold()) for program, drawn in pairs
+            for raw, pou in zip(_pous(program), _pous(drawn), strict=True)
+            if raw.rungs and not pou.rungs}
+
+    def kept(raw: Sequence[_Pou], drawn: Sequence[_Pou]) -> tuple[_Pou, ...]:
+        return tuple(one if (type(one), one.name.casefold()) in lost else pou
+                     for one, pou in zip(raw, drawn, strict=True))
+
+    first, second = (
+        replace(drawn, bodies=kept(raw.bodies, drawn.bodies),
+                composites=kept(raw.composites, drawn.composites)) for raw, drawn in pairs)
+    return first, second
+
+
+def _pous(program: Program) -> list[Pou]:
+    return [*program.bodies, *program.composites]
 
 
 def _names(

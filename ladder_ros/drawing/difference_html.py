@@ -23,7 +23,7 @@ from ladder_ros.drawing.glyphs import UNICODE
 from ladder_ros.drawing.page_style import DIFFERENCE_STYLE, PAGE_STYLE
 from ladder_ros.drawing.program_html import figure, table
 from ladder_ros.drawing.rung_svg import Picture
-from ladder_ros.drawing.svg_sheet import anchor, markup, STYLE_SHEET
+from ladder_ros.drawing.svg_sheet import markup, STYLE_SHEET
 from ladder_ros.model.difference import Edit, PouDiff, What
 from ladder_ros.model.program import Pou, Program
 
@@ -50,7 +50,8 @@ def difference_html(comparison: Comparison) -> str:
         *(line for kind, heading in _TABLES for line in _edits(
             heading, [edit for edit in diff.edits if edit.kind == kind])),
         *_composites(composites),
-        *(line for pou in diff.pous for line in _pou(comparison, pou)),
+        *(line for number, pou in enumerate(diff.pous)
+          for line in _pou(comparison, pou, f'pou.{number}')),
         *_unchanged(comparison), '</body>', '</html>', ''])
 
 
@@ -60,13 +61,10 @@ def _legend() -> str:
         for what in LEGEND) + '</p>'
 
 
-def _anchor(pou: PouDiff) -> str:
-    return anchor(pou.kind, pou.name)
-
-
 def _contents(pous: Sequence[PouDiff]) -> Iterator[str]:
     if pous:
-        links = (f'<a href="#{_anchor(pou)}">{markup(pou_line(pou, UNICODE))}</a>' for pou in pous)
+        links = (f'<a href="#pou.{number}">{markup(pou_line(pou, UNICODE))}</a>'
+                 for number, pou in enumerate(pous))
         yield f'<nav>{" | ".join(links)}</nav>'
 
 
@@ -120,8 +118,8 @@ def _interface(pou: Pou) -> list[str]:
 
 # -- bodies and composites ----------------------------------------------------------------------
 
-def _pou(comparison: Comparison, pou: PouDiff) -> Iterator[str]:
-    yield f'<h2 id="{_anchor(pou)}">{markup(pou_line(pou, UNICODE))}</h2>'
+def _pou(comparison: Comparison, pou: PouDiff, place: str) -> Iterator[str]:
+    yield f'<h2 id="{place}">{markup(pou_line(pou, UNICODE))}</h2>'
     yield from _edits('', pou.edits)
     yield from _texts(compared_texts(pou, UNICODE))
     for same, run in folded(drawn_rungs(comparison, pou)):

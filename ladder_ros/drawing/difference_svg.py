@@ -53,7 +53,11 @@ class DrawnRung:
 
 
 def drawn_rungs(comparison: Comparison, pou: PouDiff) -> list[DrawnRung]:
-    """Return all rungs of a POU as they stand side by side; ids are told apart by old and new."""
+    """Return all rungs of a POU as they stand side by side.
+
+    Ids are told apart by old and new and, names being used twice at times, by the POU's number.
+    """
+    number = next(n for n, one in enumerate(comparison.diff.pous) if one is pou)
     old_marks: dict[tuple[str, str], dict[str, What]] = {}
     new_marks: dict[tuple[str, str], dict[str, What]] = {}
     for rung in pou.aligned:
@@ -62,8 +66,8 @@ def drawn_rungs(comparison: Comparison, pou: PouDiff) -> list[DrawnRung]:
             old_marks[pou.name.casefold(), rung.old.id] = marks[0]
         if rung.new is not None:
             new_marks[pou.name.casefold(), rung.new.id] = marks[1]
-    old = _pictures(comparison.old, pou.old, old_marks, 'old.')
-    new = _pictures(comparison.new, pou.new, new_marks, 'new.')
+    old = _pictures(comparison.old, pou.old, old_marks, f'old.{number}.')
+    new = _pictures(comparison.new, pou.new, new_marks, f'new.{number}.')
     return [DrawnRung(edit=rung, old=old.get(id(rung.old)), new=new.get(id(rung.new)))
             for rung in pou.aligned]
 
