@@ -46,6 +46,7 @@ from ladder_ros.runtime.quiet import giving_way, in_parts, QUIET
 from ladder_ros.runtime.recorder import RecordSummary, TraceRecorder
 from ladder_ros.runtime.replay import read_trace, replay_trace, ReplayResult
 from ladder_ros.runtime.retention import Retention
+from ladder_ros.runtime.scheduling import RealTime
 from ladder_ros.runtime.session_status import session_status
 from ladder_ros.runtime.shadow import ShadowStatus
 from ladder_ros.runtime.simulation import DEFAULT_SCANS, prepare_simulation, Simulation
@@ -72,6 +73,7 @@ __all__ = [
     'InputTable',
     'Loaded',
     'Preflight',
+    'RealTime',
     'RecordSummary',
     'ReplayResult',
     'Requirement',
@@ -192,15 +194,16 @@ class Session:
     def __init__(
         self, *, clock: Clock | None = None, interval_ns: int | None = None,
         retain_path: str | os.PathLike[str] | None = None, retain_period_s: float = 1.0,
-        background: bool = True,
+        background: bool = True, real_time: RealTime | None = None,
     ) -> None:
         """Make an empty session; ``interval_ns`` None leaves the interval to the program.
 
         Retained variables are kept in the file ``retain_path``, if there is one.  ``background``
-        False compiles in this process, always.  Raises LadderError L0505 if the interval cannot be
-        used.
+        False compiles in this process, always.  ``real_time`` is what the scan thread asks the
+        operating system for; what that refuses the status tells.  Raises LadderError L0505 if the
+        interval cannot be used.
         """
-        self._controller = Controller(clock, COMPILER if background else None)
+        self._controller = Controller(clock, COMPILER if background else None, real_time)
         self._controller.set_interval(interval_ns)
         self._desk = ChangeDesk(self._controller, _stamp, Assurance(ProverProcess()))
         self._controller.add_state_listener(self._on_state)
@@ -299,6 +302,11 @@ class Session:
         return Loaded(
             path=os.fspath(path), name=compilation.executable.name, source_hash=source_hash,
             executable=compilation.executable, diagnostics=compilation.diagnostics, source=data)
+
+    @property
+    def refused(self) -> tuple[str, ...]:
+        """What the operating system has refused the scan thread, a sentence each."""
+        return self._controller.refused
 
     def in_turns(self, items: Iterable[_T]) -> Iterator[_T]:
         """Yield items that take long to make, a few at a time between two scans."""

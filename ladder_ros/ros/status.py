@@ -199,6 +199,7 @@ def _scan(look: _Look) -> DiagnosticStatus:
          'overruns': overruns, 'skipped': state.get('skipped'),
          **_times('execution', state.get('execution_ms')),
          'max_lateness_ms': state.get('max_lateness_ms'),
+         'real_time_refused': '; '.join(state.get('real_time_refused') or ()),
          'instructions': share.get('instructions'), 'executed': share.get('executed'),
          'share_last': share.get('last'), 'share_mean': share.get('mean')})
 

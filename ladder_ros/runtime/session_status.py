@@ -36,6 +36,7 @@ def session_status(
         },
         'max_lateness_ms': statistics.max_lateness_ns / NS_PER_MS,
         'jitter_ms': statistics.jitter_ns / NS_PER_MS,
+        'real_time_refused': list(controller.refused),
         'tasks': [task.to_json() for task in controller.tasks],
         'share': controller.share.to_json(),
         'forces': _forces(controller),
