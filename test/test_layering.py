@@ -48,7 +48,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     'edit': DATA | {'source', 'blocks', 'compiler', 'coordinates'},
     'refactor': DATA | {'source', 'blocks', 'compiler', 'coordinates', 'edit'},
     'runtime': BASE | {'model.types', 'executable'},
-    'comparing': DATA | {'source', 'drawing', 'refactor'},
+    'comparing': DATA | {'source', 'drawing', 'coordinates', 'refactor'},
     'proving_process': {'runtime'},
     # Does for the runtime what the compiler can, in another process.
     'background': DATA | {'source', 'blocks', 'compiler', 'runtime'},

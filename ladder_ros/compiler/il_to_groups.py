@@ -3,9 +3,9 @@
 """Find what may be executed abreast: instruction list -> groups of networks.
 
 Machines have many stations alike, and so have their programs: the networks that call them differ
-in their variables only, with all that they call.  Where no member of such a group reads or writes
-what another writes, it makes no difference whether they are executed one after the other, or all
-of them one instruction after the other.
+in their variables and constants only, with all that they call.  Where no member of such a group
+reads or writes what another writes, it makes no difference whether they are executed one after the
+other, or all of them one instruction after the other.
 
 Members need not follow each other.  A group is executed where its first member stands; a network
 joins it if nothing that it would be moved in front of writes what it uses, or uses what it writes.
@@ -38,6 +38,9 @@ LEAST_SIZE, MOST_SIZE = 16, 4000
 """Instructions that a member may execute: fewer do not pay, more make functions too long."""
 _CALL_SIZE = 8
 """Instructions that take as long as the call of a routine."""
+_CHOICES = frozenset({Op.IF, Op.ELSE, Op.FI})
+_OPEN, _ROUNDS = 16, 8
+"""Groups that are collected at a time, and how often it is tried: the time is bounded."""
 
 def find_groups(
     code: InstructionList, slots: Mapping[str, int],
@@ -75,11 +78,7 @@ class _Unit:
     """The numbers of slots, in the order of their first use."""
     written: set[int] = field(default_factory=set)
     """The slots that are written."""
-
-    @property
-    def touched(self) -> set[int]:
-        """The slots that are read or written."""
-        return set(self.numbers)
+    literals: list[Literal] = field(default_factory=list)
 
 
 @dataclass(slots=True)
@@ -107,11 +106,14 @@ class _Open:
         self.written |= unit.written
 
     def group(self) -> Group:
-        columns = zip(*(unit.numbers for unit in self.units), strict=True)
+        variables = zip(*(unit.numbers for unit in self.units), strict=True)
+        literals = zip(*(unit.literals for unit in self.units), strict=True)
         first = self.units[0]
         return Group(
-            members=tuple(self.members), variables=tuple(columns),
-            written=frozenset(first.numbers[slot] for slot in first.written))
+            members=tuple(self.members), variables=tuple(variables),
+            written=frozenset(first.numbers[slot] for slot in first.written),
+            constants={number: row for number, row in enumerate(literals)
+                       if len({repr(literal.value) for literal in row}) > 1})
 
 
 class _Finder:
@@ -129,7 +131,7 @@ class _Finder:
     def groups_of(self, networks: Sequence[Network]) -> tuple[Group, ...]:
         """Return the groups of some networks that are executed one after the other."""
         units = self._candidates(networks)
-        while units:
+        for _ in range(_ROUNDS if units else 0):
             groups = self._collected(networks, units)
             small = [number for group in groups if len(group.members) < LEAST_MEMBERS
                      for number in group.members]
@@ -187,10 +189,13 @@ class _Finder:
                     group.pass_by(other)
             elif unit is not None:
                 key = tuple(unit.key)
-                own = collecting.get(key)
+                own = collecting.pop(key, None)
                 if own is None or not own.may_take(unit):
                     done += [] if own is None else [own]
-                    own = collecting[key] = _Open(start=number)
+                    own = _Open(start=number)
+                    if len(collecting) == _OPEN:  # the one that was joined the longest time ago
+                        done.append(collecting.pop(next(iter(collecting))))
+                collecting[key] = own
                 own.take(number, unit)
                 for group in collecting.values():
                     if group.start < own.start:
@@ -215,10 +220,10 @@ class _Finder:
         self._add(unit, network)
         return unit
 
-    def _add(self, unit: _Unit, network: Network) -> None:
+    def _add(self, unit: _Unit, network: Network, *, is_inner: bool = False) -> None:
         for instruction in network.code:
             op, call = instruction.op, instruction.call
-            if op in CONTROL:
+            if op in CONTROL - _CHOICES and not (is_inner and op is Op.RET):
                 raise _UnfitError
             unit.key.append(op)
             if call is not None:
@@ -227,13 +232,14 @@ class _Finder:
                 self._note(unit, operand, is_written)
             if op in (Op.EXE, Op.RUN) and call is not None:
                 for inner in self.routines[call.instance].networks:
-                    self._add(unit, inner)
+                    self._add(unit, inner, is_inner=True)
 
     def _note(self, unit: _Unit, operand: Operand, is_written: bool) -> None:
         if operand.type is DataType.STRING or isinstance(operand, Element):
             raise _UnfitError
         if isinstance(operand, Literal):
-            unit.key.append((operand.type, repr(operand.value)))
+            unit.key.append(operand.type)
+            unit.literals.append(operand)
         elif operand.path.startswith('%T'):
             unit.key.append((operand.type, operand.path))
         else:

@@ -17,7 +17,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
-import hashlib
 from itertools import pairwise
 
 from ladder_ros.blocks import FUNCTION_BLOCKS, RELEASE
@@ -34,29 +33,27 @@ from ladder_ros.compiler.il import (
 )
 from ladder_ros.compiler.llvm_builder import Builder, IR_TYPE, Val, WORD
 from ladder_ros.compiler.llvm_functions import inline_function
-from ladder_ros.compiler.llvm_memory import Access, Activity, address, Cells, Chunk, Memory
+from ladder_ros.compiler.llvm_memory import (
+    Access,
+    Activity,
+    address,
+    Chunk,
+    FAILED,
+    GO_ON,
+    LEFT,
+    Memory,
+    parameters,
+    routine_symbol,
+)
 from ladder_ros.compiler.llvm_steps import inline_step, NotNativeError
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target
 from ladder_ros.diagnostics import InternalError
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.types import DataType, default_value
 
-GO_ON, LEFT, FAILED = 0, 1, 2
-"""What a function returns."""
-
 _CONTACTS = {Op(join + mode): (join, mode) for join in ('LD', 'AND', 'OR') for mode in 'NPF'} | {
     Op(join): (join, '') for join in ('LD', 'AND', 'OR')}
 """The instructions of contacts: how each joins, and N, P or F."""
-
-
-def parameters(lanes: int) -> str:
-    """Return the parameters of a function; ``mask`` says which lanes execute it."""
-    return 'ptr %s, i64 %now' if lanes == 1 else f'ptr %s, i64 %now, i{lanes} %mask'
-
-
-def routine_symbol(name: str) -> str:
-    """Return the symbol of the function of a composite's instance."""
-    return f'routine_{hashlib.sha256(name.encode()).hexdigest()[:24]}'
 
 
 @dataclass(slots=True, kw_only=True)
@@ -69,6 +66,8 @@ class ChunkEmitter:
     access: Access
     inner: Mapping[str, Routine] = field(default_factory=dict)
     """Routines that are put in the place of their calls, by instance."""
+    constants: Mapping[str, Val] = field(default_factory=dict)
+    """Temporaries that have a value from the beginning."""
     builder: Builder = field(default_factory=Builder)
     mask: Val | None = None
     """The lanes that execute it (a BOOL); None: all of them."""
@@ -87,6 +86,8 @@ class ChunkEmitter:
     boxes: dict[str, Val] | None = None
     """Where temporaries are in memory, in a network that branches."""
     opened: list[str] = field(default_factory=list)
+    masks: list[tuple[Val, Val]] = field(default_factory=list)
+    """Around each IF that is open the mask, and its condition, where lanes do not branch."""
 
     def add(self, network: Network) -> None:
         """Add a network.  Raises NotNativeError if some of it has no native form.
@@ -97,15 +98,16 @@ class ChunkEmitter:
         for index in self.old:
             self.known.pop(index, None)
         self.old = tuple(self.known)
-        self.stack, self.saved, self.temporaries, self.opened = [], [], {}, []
+        self.stack, self.saved, self.opened, self.masks = [], [], [], []
+        self.temporaries = dict(self.constants)
         branches = any(instruction.op in CONTROL for instruction in network.code)
-        self.boxes = {} if branches else None
+        self.boxes = {} if branches and self.builder.packed else None
         for instruction in network.code:
             self._instruction(instruction)
 
     def chunk(self) -> Chunk:
         """Return the function with all that was added."""
-        lines = [*self.allocas, *self.builder.lines, f'ret i8 {GO_ON}']
+        lines = [*self.allocas, *self.access.prelude(), *self.builder.lines, f'ret i8 {GO_ON}']
         return Chunk(
             body='\n'.join(lines), needs=tuple(self.builder.needs), activity=self.activity,
             may_leave=self.may_leave)
@@ -166,6 +168,9 @@ class ChunkEmitter:
         elif not target.path.startswith('%T'):
             self._store(self.memory.slot(target), value)
         elif self.boxes is None:
+            before = self.temporaries.get(target.path)
+            if self.masks and self.mask is not None and before is not None:
+                value = self.builder.select(self.mask, value, before)
             self.temporaries[target.path] = value
         else:
             box = self._box(target)
@@ -321,6 +326,9 @@ class ChunkEmitter:
         self.known.clear()
 
     def _control(self, op: Op) -> None:
+        if not self.builder.packed:
+            self._choose(op)
+            return
         if self.builder.lanes > 1:
             raise NotNativeError(f'{op.value} with lanes')
         if op is Op.IF:
@@ -350,6 +358,29 @@ class ChunkEmitter:
             self.builder.lines += [f'{leave}:', f'ret i8 {LEFT}']
             self._start(after, comes_from_above=False)
             self.may_leave = True
+
+    def _choose(self, op: Op) -> None:
+        """Let each lane go its own way: all is executed, and writes where it should be."""
+        builder = self.builder
+        mask = builder.true if self.mask is None else self.mask
+        if op is Op.IF:
+            condition = self.stack.pop()
+            self.masks.append((mask, condition))
+            self.mask = builder.and_(mask, condition)
+        elif op is Op.ELSE:
+            around, condition = self.masks[-1]
+            self.mask = builder.and_(around, builder.not_(condition))
+        elif op is Op.FI:
+            self.mask = self.masks.pop()[0]
+        elif op is Op.RET:  # those that leave execute nothing from here on
+            stays = builder.not_(builder.and_(mask, self.stack.pop()))
+            self.mask = builder.and_(mask, stays)
+            self.masks = [(builder.and_(around, stays), condition)
+                          for around, condition in self.masks]
+        else:
+            raise NotNativeError(f'{op.value} in a group')
+        if self.mask == builder.true:
+            self.mask = None
 
     def _open_loop(self) -> None:
         rounds = self._reserve('i64')
@@ -557,18 +588,3 @@ class ChunkEmitter:
             else:
                 self._assign(target, out, power)
         self.stack.append(fine if kind.power_output == 'ENO' else builder.and_(power, out))
-
-
-def emit_release(
-    routine: Routine, memory: Memory, routines: Mapping[str, Activity], lanes: int = 1,
-) -> tuple[str, Activity]:
-    """Return the function that releases a routine's timers, and those of routines inside it."""
-    mask = Val('%mask', WORD) if lanes > 1 else None
-    emitter = ChunkEmitter(
-        memory=memory, routines=routines, access=Cells(layout=memory.layout),
-        builder=Builder(lanes=lanes), mask=mask)
-    emitter.release(routine)
-    given = 'ptr %s' if lanes == 1 else f'ptr %s, i{lanes} %mask'
-    body = '\n'.join(emitter.builder.lines)
-    symbol = routine_symbol(routine.name)
-    return f'define void @{symbol}_release({given}) {{\n{body}\nret void\n}}', emitter.activity

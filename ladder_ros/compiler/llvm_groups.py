@@ -11,15 +11,17 @@ there does not matter.  Routines are part of the function, executed where any me
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 import hashlib
+from itertools import count
 
-from ladder_ros.compiler.il import Network, Routine
-from ladder_ros.compiler.il_to_llvm import ChunkEmitter, GO_ON
+from ladder_ros.compiler.il import Instruction, Network, Op, Routine
+from ladder_ros.compiler.il_to_llvm import ChunkEmitter
 from ladder_ros.compiler.llvm_builder import Builder, IR_TYPE, TRUTH, Val
-from ladder_ros.compiler.llvm_memory import Activity, address, Chunk, Memory
+from ladder_ros.compiler.llvm_memory import Activity, address, Chunk, GO_ON, Memory
 from ladder_ros.compiler.llvm_steps import NotNativeError
 from ladder_ros.compiler.native_state import ABREAST, Group, NativeLayout, SIZE, whole_rows
+from ladder_ros.compiler.symbols import Literal, Operand, Ref
 
 _GATHERED = 4
 """Instructions that must be there for each variable that is gathered."""
@@ -52,21 +54,19 @@ def emit_group(
     rows = _Rows(layout=memory.layout, group=group)
     if rows.gathered * _GATHERED > size:
         raise NotNativeError('a group whose variables lie here and there')
+    network, routines = _with_constants(network, routines, group)
     emitter = ChunkEmitter(
-        memory=memory, routines={}, inner=routines, access=rows,
+        memory=memory, routines={}, inner=routines, access=rows, constants=rows.constants(),
         builder=Builder(lanes=ABREAST, packed=False))
     emitter.add(network)
     chunk = emitter.chunk()
-    lines = [f'%row{size} = getelementptr i8, ptr %s, i64 %i{size}' for size in (1, 2, 4, 8)]
-    lines = [f'%i{size} = mul i64 %i, {size}' for size in (1, 2, 4, 8)] + lines
-    body = '\n'.join((*lines, chunk.body))
-    digest = hashlib.sha256('\n'.join((*rows.tables, body)).encode()).hexdigest()[:32]
+    digest = hashlib.sha256('\n'.join((*rows.tables, chunk.body)).encode()).hexdigest()[:32]
     symbol = f'group_{digest}'
     return GroupCode(
         size=_BLOCK_SIZE * size * whole_rows(len(group.members)) // ABREAST,
         module='\n'.join((
             *chunk.needs, *rows.tables,
-            f'define i8 @{symbol}(ptr %s, i64 %now, i64 %i) {{\n{body}\n}}')),
+            f'define i8 @{symbol}(ptr %s, i64 %now, i64 %i) {{\n{chunk.body}\n}}')),
         chunks=tuple(_block(symbol, start, chunk.activity, group)
                      for start in range(0, len(group.members), ABREAST)))
 
@@ -86,6 +86,42 @@ def _block(symbol: str, start: int, activity: Activity, group: Group) -> Chunk:
             timers=of_members(activity.timers)))
 
 
+def _with_constants(
+    network: Network, routines: Mapping[str, Routine], group: Group,
+) -> tuple[Network, Mapping[str, Routine]]:
+    """Return a network, and the routines that it calls, with names for a group's constants."""
+    if not group.constants:
+        return network, routines
+    numbers, found = count(), dict[str, Routine]()
+
+    def named(operand: Operand) -> Operand:
+        if isinstance(operand, Literal) and (number := next(numbers)) in group.constants:
+            return Ref(path=_constant(number), type=operand.type)
+        return operand
+
+    def of_network(old: Network) -> Network:
+        return replace(old, code=tuple(map(of_instruction, old.code)))
+
+    def of_instruction(old: Instruction) -> Instruction:
+        call = old.call
+        if call is None:
+            return old if old.operand is None else replace(old, operand=named(old.operand))
+        if old.op in (Op.EXE, Op.RUN):
+            routine = routines[call.instance]
+            found[call.instance] = replace(
+                routine, networks=tuple(map(of_network, routine.networks)))
+            return old
+        inputs = tuple((pin, named(operand)) for pin, operand in call.inputs)
+        return replace(old, call=replace(call, inputs=inputs))
+
+    return of_network(network), found
+
+
+def _constant(number: int) -> str:
+    """Return the temporary that is a constant."""
+    return f'%Tconstant{number}'
+
+
 @dataclass(slots=True, kw_only=True)
 class _Rows:
     """How a group's function reads and writes variables, which are named by the first member's.
@@ -97,6 +133,7 @@ class _Rows:
     layout: NativeLayout
     group: Group
     tables: list[str] = field(default_factory=list)
+    loads: list[str] = field(default_factory=list)
     rows: dict[int, tuple[int, ...]] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -148,6 +185,31 @@ class _Rows:
         before = builder.let(f'load i64, ptr {place}', 'i64')
         after = builder.let(f'add i64 {before.text}, {many.text}', 'i64')
         builder.lines.append(f'store i64 {after.text}, ptr {place}')
+
+    def prelude(self) -> Sequence[str]:
+        """Return what a function begins with that has used this."""
+        sizes = sorted(set(SIZE.values()))
+        return [*self.loads,
+                *(f'%i{size} = mul i64 %i, {size}' for size in sizes),
+                *(f'%row{size} = getelementptr i8, ptr %s, i64 %i{size}' for size in sizes)]
+
+    def constants(self) -> Mapping[str, Val]:
+        """Return the constants that are not the same for all members, by name."""
+        one, all_ = Builder(), Builder(lanes=ABREAST, packed=False)
+        found: dict[str, Val] = {}
+        for number, row in self.group.constants.items():
+            values = [one.constant(literal.value, literal.type) for literal in row]
+            values += values[-1:] * (whole_rows(len(row)) - len(row))
+            ir, name = values[0].ir, f'constant{number}'
+            kind = one.of_one(ir)
+            texts = ', '.join(f'{kind} {value.text}' for value in values)
+            self.tables.append(f'@{name} = internal constant [{len(values)} x {kind}] '
+                               f'[{texts}], align {ABREAST}')
+            self.loads += [
+                f'%{name}_p = getelementptr {kind}, ptr @{name}, i64 %i',
+                f'%{name} = load {all_.type(ir)}, ptr %{name}_p, align {ABREAST}']
+            found[_constant(number)] = Val(f'%{name}', ir)
+        return found
 
     def _gather(self, builder: Builder, row: Sequence[int], ir: str) -> Val:
         """Append what brings slots together: a table tells where they are."""

@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+import hashlib
 from typing import Protocol
 
 from ladder_ros.compiler.llvm_builder import Builder, IR_TYPE, Val
@@ -13,6 +14,19 @@ from ladder_ros.compiler.llvm_steps import NotNativeError
 from ladder_ros.compiler.native_state import NativeLayout
 from ladder_ros.compiler.symbols import Element, Ref
 from ladder_ros.model.types import DataType
+
+GO_ON, LEFT, FAILED = 0, 1, 2
+"""What a function returns."""
+
+
+def parameters(lanes: int) -> str:
+    """Return the parameters of a function; ``mask`` says which lanes execute it."""
+    return 'ptr %s, i64 %now' if lanes == 1 else f'ptr %s, i64 %now, i{lanes} %mask'
+
+
+def routine_symbol(name: str) -> str:
+    """Return the symbol of the function of a composite's instance."""
+    return f'routine_{hashlib.sha256(name.encode()).hexdigest()[:24]}'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,27 +65,44 @@ class Access(Protocol):
     def count(self, builder: Builder, wrong: Val) -> None:
         """Append what adds one to the arithmetic errors where a BOOL is TRUE."""
 
+    def prelude(self) -> Sequence[str]:
+        """Return what a function begins with that has used this."""
+
 
 def address(builder: Builder, base: str, offset: int) -> str:
     """Append the address that is so many bytes behind another."""
     return builder.let(f'getelementptr i8, ptr {base}, i64 {offset}', 'ptr').text
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+_NEAR = 128
+"""Bytes before and behind an address that short instructions reach."""
+_OFTEN = 8
+"""Uses of a part of memory for which a register pays."""
+
+
+@dataclass(slots=True, kw_only=True)
 class Cells:
-    """A slot is one place in memory: that of one program, or with lanes of all its copies."""
+    """A slot is one place in memory: that of one program, or with lanes of all its copies.
+
+    Slots that lie together are addressed from the middle of the part of memory that they are in,
+    as instructions with small distances are shorter: past the caches' size it is their length
+    that decides.  LLVM must not know what the middle's address is, or would put the distances
+    together again.
+    """
 
     layout: NativeLayout
+    uses: dict[int, int] = field(default_factory=dict)
+    """How often the parts of memory were used, by number."""
 
     def load(self, builder: Builder, index: int) -> Val:
         """Append what reads a slot."""
         ir = IR_TYPE[self.layout.types[index]]
-        place = address(builder, '%s', self.layout.offsets[index])
+        place = self._address(builder, index)
         return builder.let(f'load {builder.type(ir)}, ptr {place}{self._align(builder)}', ir)
 
     def store(self, builder: Builder, index: int, value: Val) -> None:
         """Append what writes a slot."""
-        place = address(builder, '%s', self.layout.offsets[index])
+        place = self._address(builder, index)
         builder.lines.append(f'store {builder.type(value.ir)} {value.text}, ptr {place}'
                              f'{self._align(builder)}')
 
@@ -79,6 +110,23 @@ class Cells:
         """Append what adds one to the arithmetic errors where a BOOL is TRUE."""
         more = builder.widened(wrong, DataType.BOOL)
         self.store(builder, 0, builder.op('add', self.load(builder, 0), more))
+
+    def prelude(self) -> Sequence[str]:
+        """Return what a function begins with that has used this."""
+        lines = []
+        for number, uses in self.uses.items():
+            middle = f'getelementptr i8, ptr %s, i64 {(2 * number + 1) * _NEAR}'
+            if uses < _OFTEN:
+                lines.append(f'%m{number} = {middle}')
+            else:
+                lines += [f'%n{number} = {middle}',
+                          f'%m{number} = call ptr asm "", "=r,0"(ptr %n{number})']
+        return lines
+
+    def _address(self, builder: Builder, index: int) -> str:
+        number, distance = divmod(self.layout.offsets[index], 2 * _NEAR)
+        self.uses[number] = self.uses.get(number, 0) + 1
+        return address(builder, f'%m{number}', distance - _NEAR)
 
     @staticmethod
     def _align(builder: Builder) -> str:

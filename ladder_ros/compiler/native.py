@@ -28,19 +28,21 @@ from ladder_ros.compiler.il import (
     STORES,
 )
 from ladder_ros.compiler.il_to_groups import find_groups
-from ladder_ros.compiler.il_to_llvm import (
-    ChunkEmitter,
-    emit_release,
-    FAILED,
-    GO_ON,
-    LEFT,
-    parameters,
-    routine_symbol,
-)
+from ladder_ros.compiler.il_to_llvm import ChunkEmitter
 from ladder_ros.compiler.llvm_builder import Builder, Val, WORD
 from ladder_ros.compiler.llvm_groups import emit_group, GroupCode
 from ladder_ros.compiler.llvm_machine import Linked
-from ladder_ros.compiler.llvm_memory import Activity, Cells, Chunk, Memory
+from ladder_ros.compiler.llvm_memory import (
+    Activity,
+    Cells,
+    Chunk,
+    FAILED,
+    GO_ON,
+    LEFT,
+    Memory,
+    parameters,
+    routine_symbol,
+)
 from ladder_ros.compiler.llvm_steps import NotNativeError
 from ladder_ros.compiler.native_state import arrange, NativeLayout, RoutineId
 from ladder_ros.compiler.symbols import Element, Operand, Ref
@@ -242,7 +244,7 @@ class _Emitter:
             if _jumps(routine):
                 raise NotNativeError('a jump')
             functions = list(self.chunks(self.items(routine), is_inner=True))
-            release, activity = emit_release(
+            release, activity = _emit_release(
                 routine, self.memory, self.routines, self.lanes)
         except NotNativeError as error:
             self.why_not[str(error)] = None
@@ -373,6 +375,21 @@ def _may_fail(instruction: Instruction) -> bool:
     """Say whether an instruction may have no native form; most have one."""
     return instruction.call is not None or instruction.op is Op.MOV or isinstance(
         instruction.operand, Element)
+
+
+def _emit_release(
+    routine: Routine, memory: Memory, routines: Mapping[str, Activity], lanes: int = 1,
+) -> tuple[str, Activity]:
+    """Return the function that releases a routine's timers, and those of routines inside it."""
+    mask = Val('%mask', WORD) if lanes > 1 else None
+    emitter = ChunkEmitter(
+        memory=memory, routines=routines, access=Cells(layout=memory.layout),
+        builder=Builder(lanes=lanes), mask=mask)
+    emitter.release(routine)
+    given = 'ptr %s' if lanes == 1 else f'ptr %s, i{lanes} %mask'
+    body = '\n'.join((*emitter.access.prelude(), *emitter.builder.lines))
+    symbol = routine_symbol(routine.name)
+    return f'define void @{symbol}_release({given}) {{\n{body}\nret void\n}}', emitter.activity
 
 
 def without_code(program: NativeProgram) -> NativeProgram:

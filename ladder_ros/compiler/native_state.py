@@ -20,10 +20,12 @@ from collections.abc import (
 )
 import ctypes
 from dataclasses import dataclass, field
+from itertools import groupby, repeat
 from operator import itemgetter
 import struct
 from typing import Any, overload
 
+from ladder_ros.compiler.symbols import Literal
 from ladder_ros.executable import Slot
 from ladder_ros.model.types import BIT_STRINGS, DataType, SIGNED, UNSIGNED, Value
 
@@ -50,15 +52,18 @@ RoutineId = tuple[bool, str]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Group:
-    """Networks of a routine that differ in their variables only, and may be executed abreast.
+    """Networks of a routine that differ in what they are bound to, and may be executed abreast.
 
     ``members`` are their numbers in the routine.  Each of the ``variables`` of their code is a
-    slot in each member; ``written`` are the numbers of those that the code writes.
+    slot in each member; ``written`` are the numbers of those that the code writes.  Of its
+    literals, those that are not the same in all members are ``constants``, by their number in
+    the code: a value in each.
     """
 
     members: tuple[int, ...]
     variables: tuple[tuple[int, ...], ...]
     written: frozenset[int]
+    constants: Mapping[int, tuple[Literal, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -149,12 +154,13 @@ class StateForm:
         self.layout = layout
         typed = sorted((offset, index) for index, offset in enumerate(layout.offsets)
                        if offset >= 0)
-        self.order = [index for _, index in typed]
+        order = [index for _, index in typed]
         self.texts = [index for index, offset in enumerate(layout.offsets) if offset < 0]
-        self.struct = struct.Struct('=' + ''.join(_formats(typed, layout.types)))
-        places = {index: place for place, index in enumerate((*self.order, *self.texts))}
+        self.struct = struct.Struct('=' + ''.join(
+            f'{len(list(run))}{letter}' for letter, run in groupby(_letters(typed, layout.types))))
+        places = {index: place for place, index in enumerate((*order, *self.texts))}
         self.gather = _picker([places[index] for index in range(len(layout.offsets))])
-        self.scatter = _picker(self.order)
+        self.scatter = _picker(order)
         self.formats = [FORMAT.get(type_, '') for type_ in layout.types]
         self.places = [offset // SIZE[type_] if offset >= 0 else -1
                        for offset, type_ in zip(layout.offsets, layout.types, strict=True)]
@@ -164,14 +170,11 @@ class StateForm:
         return NativeState(self, values)
 
 
-def _formats(
-    typed: Sequence[tuple[int, int]], types: Sequence[DataType],
-) -> Iterator[str]:
-    """Yield the letters for slots at offsets, and for the gaps between them."""
+def _letters(typed: Sequence[tuple[int, int]], types: Sequence[DataType]) -> Iterator[str]:
+    """Yield the letters for slots at offsets, x for each byte between them."""
     end = 0
     for offset, index in typed:
-        if offset > end:
-            yield f'{offset - end}x'
+        yield from repeat('x', offset - end)
         yield FORMAT[types[index]]
         end = offset + SIZE[types[index]]
 

@@ -20,7 +20,7 @@ from ladder_ros.compiler.imported import lowering_of
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.pipeline import completed
 from ladder_ros.compiler.symbols import author_path, Operand, pou_key, Ref, Symbols
-from ladder_ros.compiler.wires_to_aov import build_wired_aovs
+from ladder_ros.compiler.wires_to_aov import build_wired_aovs, NOT
 from ladder_ros.compiler.wiring import Rail
 from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.diagnostics import has_errors, LadderError, Severity
@@ -39,6 +39,9 @@ from ladder_ros.model.program import Body, Composite, Pou, Program, Rung, Wire
 
 BOX_WIDTH = 2
 """Columns of a block: two contacts above or below it have their places."""
+
+INVERTER = '|NOT|'
+"""Type of the box for a negation at a pin: no function NOT, it has no pins but power."""
 
 _Pou = TypeVar('_Pou', Body, Composite)
 
@@ -178,16 +181,23 @@ class _Network:
             self.body.drawn.get(component.id), OutVariable)
 
     def _moves(self) -> Iterator[tuple[int, _Output]]:
-        """Yield the moves of results to variables that directly follow their blocks."""
-        block = -1
-        for place, symbol in enumerate(self.aov.symbols):
-            if not self._is_move(symbol.component):
-                block = place
-            elif block >= 0 and not symbol.prelude:
-                ((_, value),) = symbol.resolved.inputs
-                pin = _pin_of(self.aov.symbols[block], value)
-                if pin:
-                    yield place, _Output(block=block, pin=pin)
+        """Yield the moves of results to variables that the block itself may as well write."""
+        symbols = self.aov.symbols
+        makers = {str(target): place for place, symbol in enumerate(symbols)
+                  if not self._is_move(symbol.component) for _, target in symbol.resolved.outputs}
+        touched: dict[str | None, int] = {}
+        written: dict[str | None, int] = {}
+        for place, symbol in enumerate(symbols):
+            reads, writes = reads_and_writes(symbol)
+            if self._is_move(symbol.component) and not symbol.prelude:
+                value, target = reads[0], writes[0]
+                block = self.calls.get(_instance_of(value), makers.get(str(value), place))
+                if block < place and block >= max(
+                        touched.get(self.key(target), -1), written.get(self.key(value), -1)):
+                    yield place, _Output(block=block, pin=_pin_of(symbols[block], value))
+                    continue
+            written.update((self.key(target), place) for target in writes)
+            touched.update((self.key(operand), place) for operand in (*reads, *writes))
 
     def _reads(self) -> Iterator[tuple[int, _Output]]:
         """Yield the contacts that stand for power from a block's further output."""
@@ -298,7 +308,8 @@ class _Network:
             written = (Argument(pin='OUT', operand=self._text(symbol.component)),)
         if isinstance(component, Block):
             instance = '' if symbol.instance.startswith('%') else symbol.instance
-            return replace(component, placement=size, type=component.type.lstrip('%'),
+            type_ = INVERTER if component.type == NOT else component.type
+            return replace(component, placement=size, type=type_,
                            instance=instance, inputs=arguments, outputs=written, modifiers=())
         composite = self.body.composites[component.composite.casefold()]
         order = {p.name: number for number, p in enumerate(composite.parameters)}

@@ -196,7 +196,8 @@ def _label(operand: str, context: ShapeContext) -> tuple[str, ...]:
 
 def _address(operand: str, context: ShapeContext) -> tuple[str, ...]:
     address = context.facts.addresses.get(operand.casefold(), '')
-    return (abbreviated(address, context.glyphs),) if address else ()
+    known = not address or address.casefold() == operand.casefold()
+    return () if known else (abbreviated(address, context.glyphs),)
 
 
 def _value(operand: str, instance: str, pin: str, context: ShapeContext) -> str:

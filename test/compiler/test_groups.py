@@ -9,11 +9,12 @@ import random
 import re
 
 import pytest
+from support.plants import program_of, station_plant
 from support.random_rungs import VALUES
 from support.random_stations import station_program
 
 from compiler.agreement import assert_same, Machine
-from ladder_ros.compiler.il import InstructionList
+from ladder_ros.compiler.il import active_flag, InstructionList, Op
 from ladder_ros.compiler.il_interpreter import interpret_il
 from ladder_ros.compiler.il_text import parse_il
 from ladder_ros.compiler.il_to_groups import find_groups
@@ -21,10 +22,13 @@ from ladder_ros.compiler.llvm_machine import make_object, why_missing
 from ladder_ros.compiler.native import emit_native, layout_of, load_native, NativeProgram
 from ladder_ros.compiler.native_state import ABREAST, StateForm
 from ladder_ros.compiler.pipeline import compile_program
+from ladder_ros.compiler.program_to_plcopen import write_plcopen
 from ladder_ros.compiler.symbols import Ref
 from ladder_ros.executable import ARITHMETIC_ERRORS, Slot, SlotClass
+from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.program import Program
 from ladder_ros.model.types import DataType, default_value, Value
+from ladder_ros.source.read_any import parse_any
 
 needs_llvm = pytest.mark.skipif(bool(why_missing()), reason='native code needs llvmlite')
 MS = 1_000_000
@@ -51,8 +55,13 @@ def slots_of(code: InstructionList) -> dict[str, int]:
     names = (operand.path for routine in code.routines for i in routine.instructions()
              for operand in (i.operand, i.memory, i.target, *(
                  operand for _, operand in (i.call.inputs + i.call.outputs if i.call else ())))
-             if isinstance(operand, Ref))
-    found = dict.fromkeys([ARITHMETIC_ERRORS, *(name.casefold() for name in names)])
+             if isinstance(operand, Ref) and not operand.path.startswith('%T'))
+    fields = (f'{i.call.instance}.{pin.name}' for routine in code.routines
+              for i in routine.instructions() if i.op is Op.CAL and i.call is not None
+              for pin in CATALOGUE[i.call.name].state)
+    flags = (active_flag(routine.name).path for routine in code.routines if not routine.is_body)
+    found = dict.fromkeys([
+        ARITHMETIC_ERRORS, *(name.casefold() for name in (*names, *fields, *flags))])
     return {name: number for number, name in enumerate(found)}
 
 
@@ -120,6 +129,14 @@ def test_group_when_it_waits_for_another_then_both_keep_their_order() -> None:
     assert members(*pairs) == [tuple(range(0, 40, 2)), tuple(range(1, 40, 2))]
 
 
+def test_networks_when_there_are_more_kinds_than_are_collected_at_a_time_then_stay_alone() -> None:
+    kinds = [(kind, k) for k in range(20) for kind in range(17)]
+    mixed = [[*logic(f's{kind}.{k}'), *['NOT'] * kind, 'DRP'] for kind, k in kinds]
+    assert members(*mixed) == []
+    assert len(members(*(network for network, (kind, _) in zip(mixed, kinds, strict=True)
+                         if kind))) == 16
+
+
 # -- that nobody can tell ------------------------------------------------------------------------
 
 def run_both(code: InstructionList, types: Mapping[str, DataType], scans: int) -> NativeProgram:
@@ -158,6 +175,51 @@ def test_arithmetic_errors_when_members_divide_by_zero_then_each_is_counted(coun
     types[ARITHMETIC_ERRORS] = DataType.LINT
     emitted = run_both(code, types, 20)
     assert any('@group_' in text for text in emitted.modules)
+
+
+@needs_llvm
+def test_constants_when_they_are_another_in_each_member_then_each_has_its_own() -> None:
+    code = program(*(
+        [*logic(f's{k}'), f'FUN ADD INT (IN1 := s{k}.x, IN2 := INT#{k * k}) (OUT => s{k}.y)',
+         f'MOV REAL REAL#{k}.5 => s{k}.r', f'MOV BOOL {k % 3 == 0} => s{k}.b'.upper(),
+         f'CAL TON s{k}.t (PT := T#{k % 5}ms) ()', f'ST s{k}.f'] for k in range(ABREAST + 3)))
+    types: dict[str, DataType] = {ARITHMETIC_ERRORS: DataType.LINT}
+    for k in range(ABREAST + 3):
+        types |= {f's{k}.x': DataType.INT, f's{k}.y': DataType.INT, f's{k}.r': DataType.REAL,
+                  f's{k}.t.et': DataType.TIME, f's{k}.t.%start': DataType.TIME}
+    emitted = run_both(code, types, 20)
+    (group,) = [text for text in emitted.modules if 'define i8 @group_' in text]
+    assert group.count('internal constant') == 4
+
+
+@needs_llvm
+def test_routines_when_members_take_other_ways_then_each_goes_its_own() -> None:
+    lines = []
+    for k in range(ABREAST + 3):
+        lines += [f'NETWORK {k}', f'LD on{k}', f'RUN Box s{k}', f'ST q{k}']
+    for k in range(ABREAST + 3):
+        own = f's{k}'
+        lines += [
+            f'ROUTINE {own}', 'NETWORK 1', f'LD {own}.a', 'IF', f'LD {own}.b', 'ST %T1', 'DRP',
+            f'LD {own}.c', 'IF', f'LD {own}.d', 'RET', f'MOV INT INT#5 => {own}.x', 'ELSE',
+            f'MOV INT INT#6 => {own}.x', 'FI', 'ELSE', f'LDN {own}.b', 'ST %T1', 'DRP',
+            f'LD {own}.e', 'RET', 'FI', 'LD %T1', f'ST {own}.f', 'NETWORK 2', f'LD {own}.g',
+            'RET', f'LDN {own}.h', f'ST {own}.h', 'NETWORK 3', f'LD {own}.f',
+            f'STP {own}.i, {own}.m', f'S {own}.j']
+    code = parse_il('BODY main\n' + '\n'.join(lines) + '\n')
+    types: dict[str, DataType] = {ARITHMETIC_ERRORS: DataType.LINT}
+    types |= {f's{k}.x': DataType.INT for k in range(ABREAST + 3)}
+    emitted = run_both(code, types, 40)
+    assert any('define i8 @group_' in text for text in emitted.modules)
+
+
+@needs_llvm
+def test_stations_when_imported_then_are_executed_abreast_all_the_same() -> None:
+    stations = parse_any(write_plcopen(program_of(station_plant(500, 2))).encode(), 'stations.xml')
+    native = compile_program(stations, backend='native').native
+    assert native is not None
+    assert any('define i8 @group_' in text for text in native()[0].modules)
+    assert_agree(stations, 3)
 
 
 @needs_llvm

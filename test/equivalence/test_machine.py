@@ -51,7 +51,7 @@ def check_scans(program: Program, scans: list[tuple[int, dict[str, Value]]]) -> 
         assert list(map(repr, state[own])) == list(map(repr, cycle.state[own]))
 
 
-@settings(max_examples=25)
+@settings(max_examples=80)
 @given(cases())
 def test_random_program_when_followed_on_terms_then_each_scan_agrees(case: Case) -> None:
     check_scans(case.program, list(case.scans))
@@ -111,6 +111,44 @@ NETWORK 5 "last"
     LDN  k
     ST   l
 """
+
+
+CALLS = """BODY main
+NETWORK 1
+    LD   a
+    ST   %T0
+    DRP
+    LD   b
+    EXE  Box u
+    ST   l
+    DRP
+    LD   %T0
+    ST   k
+
+ROUTINE u
+NETWORK 1
+    LDN  a
+    ST   %T0
+    DRP
+    LD   %T0
+    ST   k
+"""
+
+
+@pytest.mark.parametrize('values', list(product_of((False, True), repeat=5)))
+def test_temporary_when_what_is_called_has_one_of_its_name_then_it_is_kept(
+    values: tuple[bool, ...],
+) -> None:
+    code = parse_il(CALLS)
+    slots = {name: index for index, name in enumerate(('a', 'b', 'k', 'l', 'u.%active'))}
+    terms = Terms()
+    before = [terms.var(name, BOOL) for name in slots]
+    after = Machine(terms, code, slots.__getitem__).run(
+        'main', before, terms.const(0, DataType.TIME))
+    found = evaluate(terms, after, lambda term: values[slots[term.name]])
+    state: list[Value] = list(values)
+    interpret_il(code, slots, {})['main'](state, 0, None)
+    assert [found[term.number] for term in after] == state
 
 
 @pytest.mark.parametrize('values', list(product_of((False, True), repeat=4)))

@@ -229,6 +229,52 @@ def test_time_when_it_is_over_then_the_answer_is_unknown() -> None:
     assert prove_programs(old, new, timeout_s=-1.0).answer is Answer.UNKNOWN
 
 
+def counting(*parts: str) -> Program:
+    """Make a program that counts the parts of a series."""
+    block = ('<block type="CTU" instance="n"><input pin="R" operand="b"/>'
+             '<input pin="PV" operand="3"/></block>')
+    return program(rung(1, *parts, block, '(k)'))
+
+
+def test_counter_when_an_edge_comes_before_its_own_then_it_is_equivalent() -> None:
+    """What the counter saw implies what the contact saw: a clause, not an equality."""
+    proof = prove_programs(counting('a'), counting('P a'))
+    assert (proof.answer, 'reaches from a start' in proof.assumed) == (Answer.YES, True)
+    assert prove_programs(counting('/a'), counting('P a')).answer is Answer.NO
+
+
+STEPS = ''.join(f'<variable name="s{n}" type="BOOL"/>' for n in (1, 2, 3))
+
+
+def steps(*second: str) -> Program:
+    """Make a sequence of three steps; ``second`` is how the second one is shown."""
+    return program(''.join([
+        rung(1, *second, '(k)'),
+        rung(2, 's1', 'a', '(S s2)'), rung(3, 's2', '(R s1)'),
+        rung(4, 's2', 'b', '(S s3)'), rung(5, 's3', '(R s2)'),
+        rung(6, 's3', 'c', '(S s1)'), rung(7, 's1', '(R s3)')]), STEPS,
+        extra=f'<body name="first" run="once">{rung(1, "TRUE", "(S s1)")}</body>')
+
+
+def test_sequence_when_one_of_its_steps_is_always_active_then_it_is_known() -> None:
+    """Only before the first scan is no step active."""
+    old = steps('s2')
+    assert prove_programs(old, steps('/s1', '/s3')).answer is Answer.YES
+    assert prove_programs(old, steps('/s1')).answer is Answer.NO
+
+
+def test_number_when_it_stays_within_bounds_then_a_comparison_is_known() -> None:
+    def below(limit: str) -> Program:
+        block = (f'<block type="LT"><input pin="IN1" operand="n.CV"/>'
+                 f'<input pin="IN2" operand="{limit}"/></block>')
+        counter = ('<block type="CTU" instance="n"><input pin="R" operand="b"/>'
+                   '<input pin="PV" operand="3"/></block>')
+        return program(rung(1, 'a', counter, '(k)') + rung(2, block, '(l)'))
+
+    assert prove_programs(below('4'), below('5')).answer is Answer.YES
+    assert prove_programs(below('3'), below('4')).answer is Answer.NO
+
+
 # -- properties ---------------------------------------------------------------------------------
 
 @pytest.mark.parametrize('expression', [

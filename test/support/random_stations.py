@@ -67,6 +67,8 @@ def _operands(rng: Random, count: int, odd: int) -> dict[str, list[str]]:
         found[pin] = [
             f'{pin}_{0 if shared else rng.randrange(count) if rng.randrange(100) < odd else k}'
             for k in range(count)]
+    if rng.randrange(2):
+        found['p_time'] = [f'T#{rng.choice((0, 5, 12))}ms' for _ in range(count)]
     return found
 
 

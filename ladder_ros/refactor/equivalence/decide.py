@@ -5,17 +5,25 @@
 1. Values that the new program takes over stay equal, whatever they are: then it is alike from
    every state.
 2. Random scans: a difference is the end of all attempts to prove.
-3. What was equal in all random scans stays equal: alike from every state that is reached.
+3. What was equal in all random scans stays equal: alike from every state that is reached; if
+   need be with clauses that no random scan has broken.
 4. Scans unrolled from a start, and then with a change in between: the shortest difference.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from ladder_ros.model.types import NS_PER_MS
-from ladder_ros.refactor.equivalence.induction import Class, classes_by, Induction, pairs_of
+from ladder_ros.refactor.equivalence.induction import (
+    Class,
+    classes_by,
+    Clause,
+    Induction,
+    pairs_of,
+)
+from ladder_ros.refactor.equivalence.invariants import candidates, cone
 from ladder_ros.refactor.equivalence.machine import UnsupportedError
 from ladder_ros.refactor.equivalence.product import Product
 from ladder_ros.refactor.equivalence.relation import Relation
@@ -28,6 +36,12 @@ from ladder_ros.refactor.equivalence.unroll import NOT_CONFIRMED, search, Unroll
 DEFAULT_INTERVAL = 10 * NS_PER_MS
 REACHED = 'only states that the old program reaches from a start'
 _LONG_TRIAL = 400
+_SOON = 6
+"""Scans that are unrolled before clauses are tried, which takes longer."""
+_MORE_SCANS = 4 * SCANS
+"""Scans of a random run, so that few clauses are left that are not true."""
+_SOON_SHARE, _SHARE = 0.1, 0.6
+"""Of the time that is left, what the one and the other may take."""
 
 Confirm = Callable[[Trace], bool]
 """Says whether a run of both programs on a trace shows a difference."""
@@ -52,6 +66,15 @@ def decide(
     """
     require_solver()
     return _Decision(old, new, relation, limits, confirm, after_change).decide()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Supposed:
+    """What is supposed before a scan; with ``after_change`` it holds after a change, too."""
+
+    classes: Sequence[Class]
+    clauses: Sequence[Clause] = ()
+    after_change: bool = False
 
 
 class _Decision:
@@ -95,30 +118,78 @@ class _Decision:
 
     def prove(self) -> Finding | None:
         """Return a proof, or a difference that was met on the way."""
-        if self.is_inductive(pairs_of(self.product)):
+        if self.is_inductive(_Supposed(classes=pairs_of(self.product)), self.limits.left):
             return self.found(Answer.YES)
         trials = self.trials()
         if trials.trace is not None:
             return self.shortest(trials)
-        kept = [True, False] if self.after_change else [False]
-        for after_change in kept:
-            classes = classes_by(
-                self.product, trials.signatures, after_change=after_change)
-            if self.is_inductive(classes):
-                if after_change or not self.after_change:
-                    return self.found(Answer.YES, assumed=REACHED)
-                return self.changed()
-        return None
+        found = self.alike(
+            (self.classes(trials, kept) for kept in self.kept), self.limits.left)
+        if found is not None and found is self.after_change:
+            return self.found(Answer.YES, assumed=REACHED)
+        return self.prove_with_clauses(is_alike=found is not None)
 
-    def is_inductive(self, classes: Sequence[Class]) -> bool:
-        """Say whether the outputs are equal after each scan if these classes hold at first."""
+    def prove_with_clauses(self, *, is_alike: bool) -> Finding | None:
+        """Return what :meth:`prove` does; ``is_alike``: from a start the programs are."""
+        trace = None if is_alike else self.unroll(
+            min(_SOON, self.limits.depth), self.part_of_time(_SOON_SHARE))
+        if trace is not None:
+            return self.found(Answer.NO, trace=trace)
+        trials = self.trials(_MORE_SCANS, seed=3)
+        if trials.trace is not None:
+            return self.shortest(trials)
+        left = self.part_of_time(_SHARE)
+        found = self.alike((
+            replace(one, clauses=self.clauses(one, trials, left))
+            for one in (self.classes(trials, kept) for kept in self.kept)
+            if one.after_change or not is_alike), left)
+        if found is not None and found is self.after_change:
+            return self.found(Answer.YES, assumed=REACHED)
+        return None if found is None and not is_alike else self.changed()
+
+    def part_of_time(self, share: float) -> Callable[[], float]:
+        """Return what says how much is left of a share of the time that is left now."""
+        rest = self.limits.left() * (1 - share)
+        return lambda: self.limits.left() - rest
+
+    @property
+    def kept(self) -> Sequence[bool]:
+        """Whether what is supposed has to hold after a change, too: what to try."""
+        return (True, False) if self.after_change else (False,)
+
+    def classes(self, trials: Trials, after_change: bool) -> _Supposed:
+        """Return what had equal values in all trials."""
+        return _Supposed(after_change=after_change, classes=classes_by(
+            self.product, trials.signatures, after_change=after_change))
+
+    def clauses(
+        self, supposed: _Supposed, trials: Trials, left: Callable[[], float],
+    ) -> Sequence[Clause]:
+        """Return clauses about what the outputs depend on that are not proved to be equal."""
+        product = self.fresh()
+        induction = Induction(product, supposed.classes, left, exact=True)
+        if not induction.run():
+            return ()
+        apart = [(a, b) for a, b, conversion in product.outputs
+                 if not conversion and not induction.holds(a, b)]
+        roots = [induction.after[place] for pair in apart for place in pair]
+        return candidates(product, cone(induction, roots), trials.signatures)
+
+    def alike(self, attempts: Iterable[_Supposed], left: Callable[[], float]) -> bool | None:
+        """Return, of the first of these that keeps the outputs equal, ``after_change``."""
+        return next((one.after_change for one in attempts if self.is_inductive(one, left)), None)
+
+    def is_inductive(self, supposed: _Supposed, left: Callable[[], float]) -> bool:
+        """Say whether the outputs are equal after each scan if all this holds at first."""
         for exact in (False, True):
             product = self.fresh()
-            induction = Induction(product, classes, self.limits.left, exact=exact)
+            induction = Induction(
+                product, supposed.classes, left, exact=exact, clauses=supposed.clauses,
+                after_change=supposed.after_change)
             induction.run([(a, b) for a, b, _ in product.outputs])
             self.effort = replace(
                 self.effort, questions=self.effort.questions + induction.questions,
-                related=sum(len(one.places) for one in classes))
+                related=sum(len(one.places) for one in supposed.classes))
             if all(not conversion and induction.holds(a, b)
                    for a, b, conversion in product.outputs):
                 return True
@@ -146,18 +217,21 @@ class _Decision:
     def own_interval(self) -> int:
         return next((s.interval for s in self.subjects if s.interval), DEFAULT_INTERVAL)
 
-    def unroll(self, depth: int) -> Trace | None:
+    def unroll(self, depth: int, left: Callable[[], float] | None = None) -> Trace | None:
         """Look for the fewest scans that make a difference, with the own interval or another."""
+        left = left or self.limits.left
         unrollings = []
         for interval in (self.own_interval, None):
             product = self.fresh()
             unrollings.append(Unrolling(
-                product, product.difference, self.limits.left, interval=interval))
-        return self.search(unrollings, depth)
+                product, product.difference, left, interval=interval))
+        return self.search(unrollings, depth, left)
 
-    def search(self, unrollings: Sequence[Unrolling], depth: int) -> Trace | None:
+    def search(
+        self, unrollings: Sequence[Unrolling], depth: int, left: Callable[[], float],
+    ) -> Trace | None:
         """Unroll until something shows that a run confirms."""
-        trace, depth, questions = search(unrollings, depth, self.limits.left)
+        trace, depth, questions = search(unrollings, depth, left)
         self.effort = replace(self.effort, depth=max(self.effort.depth, depth),
                               questions=self.effort.questions + questions)
         if self.limits.left() <= 0:
@@ -176,7 +250,7 @@ class _Decision:
                 product = self.fresh()
                 trace = self.search([Unrolling(
                     product, product.difference, self.limits.left,
-                    interval=self.own_interval, change_before=before)], depth)
+                    interval=self.own_interval, change_before=before)], depth, self.limits.left)
                 if trace is not None:
                     return trace
         return None

@@ -6,6 +6,9 @@ Begins with classes of values that may be equal and takes apart what a scan take
 nothing is (van Eijk, "Sequential equivalence checking based on structural similarities", 2000:
 the greatest fixed point).  One variable stands for a class, so that what is computed alike from
 equal values is one term and needs no question.
+
+Clauses may help: all are supposed, and what a scan breaks is dropped in the same
+way (Flanagan, Leino, "Houdini, an annotation assistant", 2001).
 """
 
 from __future__ import annotations
@@ -14,9 +17,15 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from ladder_ros.model.types import DataType, default_value, Value
+from ladder_ros.model.types import (
+    DataType,
+    default_value,
+    INTEGER_RANGE,
+    TIME_RANGE,
+    Value,
+)
 from ladder_ros.refactor.equivalence.product import Product
-from ladder_ros.refactor.equivalence.terms import evaluate, Term
+from ladder_ros.refactor.equivalence.terms import BOOL, evaluate, Term, Terms
 from ladder_ros.refactor.equivalence.to_z3 import Sat, Solver
 
 
@@ -28,21 +37,62 @@ class Class:
     constant: tuple[Value, ...] = ()
 
 
+_GROUP = 20
+"""Clauses that are asked about as one."""
+
+Literal = tuple[int, Value, Value]
+"""A place of the state, a BOOL or a number, and the least and greatest value that it has."""
+Clause = tuple[Literal, ...]
+"""One of them holds."""
+
+
+def clause_term(terms: Terms, clause: Clause, state: Sequence[Term]) -> Term:
+    """Return a clause about a state."""
+    return terms.or_(*[_literal(terms, state[place], low, high) for place, low, high in clause])
+
+
+def _literal(terms: Terms, value: Term, low: Value, high: Value) -> Term:
+    if value.type is BOOL:
+        return value if low else terms.not_(value)
+    ends = range_of(value.type)
+    less = [
+        terms.apply('LT', value.type, BOOL, *pair)
+        for end, extreme, pair in (
+            (low, ends[0], (value, terms.const(low, value.type))),
+            (high, ends[1], (terms.const(high, value.type), value)))
+        if end != extreme]
+    return terms.not_(terms.or_(*less))
+
+
+def has_range(type_: DataType) -> bool:
+    """Say whether a type's values are whole numbers."""
+    return type_ in INTEGER_RANGE or type_ is DataType.TIME
+
+
+def range_of(type_: DataType) -> tuple[int, int]:
+    """Return the least and the greatest value of such a type."""
+    return TIME_RANGE if type_ is DataType.TIME else INTEGER_RANGE[type_]
+
+
 class Induction:
-    """Finds what stays equal."""
+    """Finds what stays equal, and which clauses stay true."""
 
     def __init__(
         self, product: Product, classes: Iterable[Class], left: Callable[[], float], *,
-        exact: bool, question_s: float = 5.0,
+        exact: bool, question_s: float = 5.0, clauses: Sequence[Clause] = (),
+        after_change: bool = False,
     ) -> None:
-        """Start from classes whose members are equal before the first scan.
+        """Start from classes whose members are equal before the first scan, and from clauses.
 
-        ``left`` says how many seconds there are.
+        ``left`` says how many seconds there are.  With ``after_change`` only those clauses stay
+        that also hold when the second program takes over, as must all classes.
         """
         self.product = product
         self.terms = product.terms
         self.left = left
         self.questions = 0
+        self.clauses = list(clauses)
+        self._after_change = after_change
         self.is_abstract = False
         """Whether exact questions may show more."""
         self._exact = exact
@@ -81,10 +131,15 @@ class Induction:
         """
         while self.left() > 0 and all(self.holds(a, b) for a, b in needed):
             self._scan()
-            if not self._refine():
+            solver = Solver(exact=self._exact, timeout_ms=self._question_ms)
+            if self.clauses:
+                solver.add(self._all(self.clauses, self.before))
+            split = self._refine(solver)
+            if not self._drop(solver) and not split:
                 return True
         self._class = list(range(len(self._class)))
         self._constants = {}
+        self.clauses = []
         return False
 
     def _scan(self) -> None:
@@ -113,12 +168,52 @@ class Induction:
                 doubts.append((place, expected))
         return doubts
 
-    def _refine(self) -> bool:
+    def _all(self, clauses: Sequence[Clause], state: Sequence[Term]) -> Term:
+        return self.terms.and_(*[clause_term(self.terms, one, state) for one in clauses])
+
+    def _drop(self, solver: Solver) -> bool:
+        """Drop the clauses that this scan, or a change, breaks; return whether there were any."""
+        before = len(self.clauses)
+        self._drop_from(solver, self.after, self.clauses)
+        if self._after_change and self.clauses:
+            first = self.product.first
+            fresh = Solver(exact=self._exact, timeout_ms=self._question_ms)
+            fresh.add(self._all([one for one in self.clauses if _within(one, first)], self.before))
+            taken = [*self.before[:first], *self.product.carried(self.before[:first])]
+            self._drop_from(
+                fresh, taken, [one for one in self.clauses if not _within(one, first)])
+        return len(self.clauses) < before
+
+    def _drop_from(self, solver: Solver, state: Sequence[Term], clauses: Sequence[Clause]) -> None:
+        """Drop those of the clauses that do not hold in a state after this one."""
+        then = {clause: clause_term(self.terms, clause, state) for clause in clauses}
+        doubts = [clause for clause, term in then.items() if term is not self.terms.true]
+        # In groups, so that not all is made anew where a few are dropped.
+        groups = [doubts[n:n + _GROUP] for n in range(0, len(doubts), _GROUP)]
+        bad: set[Clause] = set()
+        while groups:
+            self.questions += 1
+            broken = self.terms.not_(self.terms.and_(*[
+                self.terms.and_(*[then[clause] for clause in group]) for group in groups]))
+            answer = solver.ask(broken) if self.left() > 0 else Sat.UNKNOWN
+            if answer is Sat.NO:
+                break
+            doubts = [clause for group in groups for clause in group]
+            wrong = set(doubts)
+            if answer is Sat.YES:
+                found = self._values([then[clause] for clause in doubts], solver.values())
+                # None is: it depends on a function that the solver knows nothing of.
+                wrong = {one for one in doubts if not found[then[one].number]} or wrong
+            bad |= wrong
+            groups = [kept for group in groups
+                      if (kept := [one for one in group if one not in wrong])]
+        self.clauses = [clause for clause in self.clauses if clause not in bad]
+
+    def _refine(self, solver: Solver) -> bool:
         """Take apart what this scan takes apart; return whether anything was."""
         doubts = self._doubts()
         if not doubts:
             return False
-        solver = Solver(exact=self._exact, timeout_ms=self._question_ms)
         changed = False
         for place, expected in doubts:
             if self.left() <= 0:
@@ -155,7 +250,7 @@ class Induction:
     def _split(self, values: Mapping[str, Value]) -> None:
         """Take all classes apart as the values after one scan do."""
         self._members = None
-        found = self._values(values)
+        found = self._values(self.after, values)
         fresh: dict[tuple[int, str], int] = {}
         kept: set[int] = set()
         for place, known in enumerate(self._class):
@@ -170,10 +265,14 @@ class Induction:
                 self._count += not is_first
             self._class[place] = fresh[key]
 
-    def _values(self, values: Mapping[str, Value]) -> dict[int, Value]:
+    def _values(self, roots: Sequence[Term], values: Mapping[str, Value]) -> dict[int, Value]:
         return evaluate(
-            self.terms, self.after,
-            lambda term: values.get(term.name, default_value(term.type)))
+            self.terms, roots, lambda term: values.get(term.name, default_value(term.type)))
+
+
+def _within(clause: Clause, first: int) -> bool:
+    """Say whether a clause is about the first program alone."""
+    return all(place < first for place, *_ in clause)
 
 
 def pairs_of(product: Product) -> list[Class]:

@@ -1,41 +1,36 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Invariants: of each two BOOLs of the state, which combinations never occur after a scan.
+"""Invariants to try: what random scans do not show of BOOLs and numbers of the state.
 
-All that random scans did not contradict is supposed, and what one scan from such a state breaks is
-dropped, until nothing is (Flanagan, Leino, "Houdini, an annotation assistant", 2001).
+What of that holds after every scan is found by :mod:`~ladder_ros.refactor.equivalence.induction`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 
-from ladder_ros.model.types import default_value, Value
-from ladder_ros.refactor.equivalence.induction import Induction
+from ladder_ros.refactor.equivalence.induction import (
+    Clause,
+    has_range,
+    Induction,
+    Literal,
+    range_of,
+)
 from ladder_ros.refactor.equivalence.product import Product
-from ladder_ros.refactor.equivalence.terms import BOOL, evaluate, ordered, Term, Terms, VAR
-from ladder_ros.refactor.equivalence.to_z3 import Sat, Solver
+from ladder_ros.refactor.equivalence.terms import BOOL, ordered, Term, VAR
+from ladder_ros.refactor.equivalence.trials import literals
 
 MOST_PLACES = 70
-"""BOOLs of the state that are looked at in pairs."""
-_ROUNDS = 200
-
-Literal = tuple[int, bool]
-"""A place of the state, and the value that it has."""
-Clause = tuple[Literal, Literal]
-"""One of two holds."""
-
-
-def clause_term(terms: Terms, clause: Clause, state: Sequence[Term]) -> Term:
-    """Return a clause about a state."""
-    return terms.or_(*[
-        state[place] if value else terms.not_(state[place]) for place, value in clause])
+"""Places of the state that are looked at."""
+_NAMED = 3
+"""Literals of the programs that are tried as a bound of a number."""
+_MOST_STEPS = 12
+"""Of how many BOOLs one may always be TRUE."""
 
 
 def cone(induction: Induction, roots: Iterable[Term], most: int = MOST_PLACES) -> list[int]:
-    """Return the BOOL places that terms depend on, directly and then through further scans."""
+    """Return the BOOLs and numbers that terms depend on, directly and then through more scans."""
     by_name = {leaf.name: place for place, leaf in reversed(list(enumerate(induction.before)))
                if leaf.op is VAR}
     found: dict[int, None] = {}
@@ -46,49 +41,65 @@ def cone(induction: Induction, roots: Iterable[Term], most: int = MOST_PLACES) -
         fresh = [place for place in dict.fromkeys(places) if place not in found]
         found.update(dict.fromkeys(fresh))
         frontier = [induction.after[place] for place in fresh]
-    return [place for place in found if induction.product.types[place] is BOOL][:most]
+    types = induction.product.types
+    return [place for place in found if types[place] is BOOL or has_range(types[place])][:most]
 
 
-def candidates(places: Sequence[int], signatures: Sequence[Sequence[str] | None]) -> list[Clause]:
-    """Return the clauses of two literals that no state seen contradicts."""
-    masks: dict[Literal, int] = {}
-    for place in places:
-        signature = signatures[place]
-        if signature is None:
-            continue
-        bits = int(''.join('1' if value == 'True' else '0' for value in signature), 2)
-        masks[place, True] = bits
-        masks[place, False] = ~bits
-    return [(a, b) for a, b in combinations(masks, 2)
-            if a[0] != b[0] and masks[a] | masks[b] == -1]
-
-
-def _value(values: Mapping[str, Value], term: Term) -> Value:
-    return values.get(term.name, default_value(term.type))
-
-
-def inductive(
-    product: Product, induction: Induction, clauses: Sequence[Clause], left: Callable[[], float],
+def candidates(
+    product: Product, places: Sequence[int], signatures: Sequence[Sequence[str] | None],
 ) -> list[Clause]:
-    """Return those of the clauses that hold after every scan; none if the time is over."""
-    terms = product.terms
-    kept = list(clauses)
-    solver = Solver(exact=True, timeout_ms=10_000)
-    after = {clause: clause_term(terms, clause, induction.after) for clause in kept}
-    for _ in range(_ROUNDS):
-        if left() <= 0:
+    """Return clauses that no state seen contradicts.
+
+    They are all of two literals about BOOLs; that just one of several BOOLs is always TRUE, as
+    one step of a sequence is active; and the least and the greatest value of a number.  Whether a
+    program has been started is one of the BOOLs: it tells the first state from all later ones.
+    """
+    seen = {place: signature for place in places
+            if (signature := signatures[place]) is not None}
+    size = max(map(len, seen.values()), default=1)
+    later = (1 << size - 1) - 1  # all states but the first, whose bit is the highest
+    true = {place: int(''.join('1' if value == 'True' else '0' for value in signature), 2)
+            for place, signature in seen.items() if product.types[place] is BOOL}
+    masks = {(place, value, value): bits if value else ~bits
+             for place, bits in (*true.items(), *((place, later) for place in product.started))
+             for value in (True, False)}
+    found: list[Clause] = [
+        (a, b) for a, b in combinations(masks, 2) if a[0] != b[0] and masks[a] | masks[b] == -1]
+    not_yet, already = ((product.started[0], value, value) for value in (False, True))
+    groups = {tuple(sorted(group)) for place in true
+              if len(group := _one_of(place, true, later)) > 2}
+    found += [(not_yet, *((place, True, True) for place in group)) for group in sorted(groups)]
+    for place, signature in seen.items():
+        if has_range(product.types[place]):
+            values = [int(value) for value in signature]
+            found += [(one,) for one in _bounds(product, place, values)]
+            found += [(not_yet, one) for one in _bounds(product, place, values[1:])]
+            found.append((already, (place, values[0], values[0])))
+    return found
+
+
+def _bounds(product: Product, place: int, values: Sequence[int]) -> Iterator[Literal]:
+    """Yield that a number is never less or greater than it was seen to be, or than a literal."""
+    if not values:
+        return
+    type_ = product.types[place]
+    named = {int(value) for one in product.subjects for value in literals(one.code, type_)}
+    first, last = range_of(type_)
+    low, high = min(values), max(values)
+    for least in (low, *sorted((value for value in named if value < low), reverse=True)[:_NAMED]):
+        yield place, least, last
+    for most in (high, *sorted(value for value in named if value > high)[:_NAMED]):
+        yield place, first, most
+
+
+def _one_of(first: int, true: Mapping[int, int], later: int) -> list[int]:
+    """Return places of which just one was TRUE in each later state; none if there are no such."""
+    group, covered = [first], true[first] & later
+    while covered != later and len(group) < _MOST_STEPS:
+        best = max((place for place in true if not true[place] & covered & later),
+                   key=lambda place: (true[place] & later).bit_count(), default=None)
+        if best is None or not true[best] & later:
             return []
-        known = terms.and_(*[clause_term(terms, clause, induction.before) for clause in kept])
-        broken = terms.not_(terms.and_(*[after[clause] for clause in kept]))
-        answer = solver.ask(known, broken) if broken is not terms.false else Sat.NO
-        if answer is Sat.NO:
-            return kept
-        if answer is Sat.UNKNOWN:
-            return []
-        values = solver.values()
-        found = evaluate(terms, [after[clause] for clause in kept], partial(_value, values))
-        left_over = [clause for clause in kept if found[after[clause].number]]
-        if len(left_over) == len(kept):
-            return []  # a function that the solver knows nothing of
-        kept = left_over
-    return []
+        group.append(best)
+        covered |= true[best] & later
+    return group if covered == later else []

@@ -35,7 +35,7 @@ MOST_ROUNDS = 256
 MOST_ELEMENTS = 256
 """Elements of an array that an index which is not fixed may choose from."""
 
-Key = int | str
+Key = int | tuple[int, str]
 """A slot, or the path of a temporary."""
 
 
@@ -118,6 +118,9 @@ class Machine:
         self.now = terms.const(0, DataType.TIME)
         self._stack: list[Term] = []
         self._memory: list[Term] = []
+        self._scope = 0
+        """The network that is being executed: each execution has temporaries of its own."""
+        self._scopes = 0
 
     def run(self, body: str, state: Sequence[Term], now: Term) -> list[Term]:
         """Return the state after an execution of a body at a time."""
@@ -133,8 +136,8 @@ class Machine:
     def compute(self, code: Sequence[Instruction], result: Operand, state: Sequence[Term]) -> Term:
         """Return the value of an operand after some instructions; the state stays."""
         self.layer = Layer(None, state)
-        self._network(Network(rung='', code=tuple(code)), _Place(
-            path=self.terms.true, returns=[]))
+        self._stack, self._memory = [], []
+        self._code(code, 0, len(code), _Place(path=self.terms.true, returns=[]))
         return self.read(result)
 
     # -- control
@@ -155,8 +158,9 @@ class Machine:
         self._join(before, place.returns, alive)
 
     def _network(self, network: Network, place: _Place) -> bool:
-        outer = self._stack, self._memory
-        self._stack, self._memory = [], []
+        outer = self._stack, self._memory, self._scope
+        self._scopes += 1
+        self._stack, self._memory, self._scope = [], [], self._scopes
         try:
             return self._code(network.code, 0, len(network.code), place)
         except UnsupportedError as error:
@@ -164,15 +168,15 @@ class Machine:
                 raise
             raise UnsupportedError(f'rung {network.rung}: {error}') from None
         finally:
-            self._stack, self._memory = outer
+            self._stack, self._memory, self._scope = outer
 
     def _join(self, before: Layer, exits: Sequence[Exit], alive: bool) -> None:
         """Put together what was left early with what was not; guards come in their order."""
         if not exits:
             return
         *others, last = exits if not alive else (*exits, (self.terms.true, self.layer))
-        keys = {key for _, layer in exits for key in layer.written_since(before)}
-        keys.update(self.layer.written_since(before) if alive else ())
+        layers = [layer for _, layer in exits] + [self.layer] * alive
+        keys = {key for layer in layers for key in self._written(layer, before)}
         joined = Layer(before)
         for key in keys:
             value = last[1].read(key)
@@ -250,11 +254,17 @@ class Machine:
 
     def _merge(self, condition: Term, before: Layer, then: Layer, other: Layer) -> None:
         self.layer = Layer(before)
-        for key in {*then.written_since(before), *other.written_since(before)}:
+        for key in {*self._written(then, before), *self._written(other, before)}:
             a, b = then.read(key), other.read(key)
             value = self.terms.ite(condition, a, b) if a is not None and b is not None else a or b
             assert value is not None
             self.layer.written[key] = value
+
+    def _written(self, layer: Layer, before: Layer) -> Iterator[Key]:
+        """Yield what has been written over a layer, but for temporaries that are past."""
+        for key in layer.written_since(before):
+            if isinstance(key, int) or key[0] == self._scope:
+                yield key
 
     def _loop(self, code: Sequence[Instruction], start: int, end: int, place: _Place) -> None:
         before, path = self.layer, place.path
@@ -277,7 +287,7 @@ class Machine:
         if isinstance(operand, Element):
             return self._read_element(operand)
         if operand.path.startswith('%T'):
-            found = self.layer.read(operand.path)
+            found = self.layer.read((self._scope, operand.path))
             # What is not written on every way here is not read there either.
             return found or self.terms.const(default_value(operand.type), operand.type)
         return self.slot_value(self._slot(operand.path.casefold()))
@@ -296,7 +306,7 @@ class Machine:
             return
         assert isinstance(target, Ref)
         if target.path.startswith('%T'):
-            self.layer.written[target.path] = value
+            self.layer.written[self._scope, target.path] = value
         else:
             self._put(self._slot(target.path.casefold()), value)
 

@@ -36,6 +36,12 @@ class Product:
         self.outputs = self._outputs()
         """Pairs of places of outputs that are to be equal, with the conversion of the first."""
 
+    @property
+    def started(self) -> tuple[int, ...]:
+        """The places that say whether the programs have been started."""
+        return tuple(number * self.first + subject.started
+                     for number, subject in enumerate(self.subjects))
+
     def _inputs(self) -> dict[int, tuple[int, str]]:
         found = {slot.index: (slot.index, '') for slot in self.subjects[0].inputs()}
         for slot in self.subjects[1].inputs() if len(self.subjects) > 1 else ():

@@ -15,14 +15,8 @@ from dataclasses import replace
 from ladder_ros.model.types import DataType, Value
 from ladder_ros.refactor.equivalence.decide import DEFAULT_INTERVAL, Limits
 from ladder_ros.refactor.equivalence.expressions import Condition
-from ladder_ros.refactor.equivalence.induction import classes_by, Induction
-from ladder_ros.refactor.equivalence.invariants import (
-    candidates,
-    Clause,
-    clause_term,
-    cone,
-    inductive,
-)
+from ladder_ros.refactor.equivalence.induction import classes_by, clause_term, Induction
+from ladder_ros.refactor.equivalence.invariants import candidates, cone
 from ladder_ros.refactor.equivalence.machine import UnsupportedError
 from ladder_ros.refactor.equivalence.product import Product
 from ladder_ros.refactor.equivalence.report import Answer, Effort, Finding, Trace
@@ -134,36 +128,35 @@ class _Question:
         trials = try_out(product, self.check)
         if trials.trace is not None:
             return None
-        induction = Induction(
-            product, classes_by(product, trials.signatures, after_change=False),
-            self.limits.left, exact=True)
+        classes = classes_by(product, trials.signatures, after_change=False)
+        induction = Induction(product, classes, self.limits.left, exact=True)
         if not induction.run():
             return None
         bad = _value(product, self.condition, induction.after)
         places = cone(induction, [bad])
-        clauses: list[Clause] = []
         for with_clauses in (False, True):
             if with_clauses:
-                clauses = inductive(
-                    product, induction, candidates(places, trials.signatures), self.limits.left)
+                induction = Induction(
+                    product, classes, self.limits.left, exact=True,
+                    clauses=candidates(product, places, trials.signatures))
+                induction.run()
             for steps in range(1, _DEEPEST + 1):
                 if self.limits.left() <= 0:
                     return None
-                if self.holds(product, induction, clauses, steps) and self.begins(steps - 1):
+                if self.holds(product, induction, steps) and self.begins(steps - 1):
                     return Finding(answer=Answer.YES, effort=replace(
-                        self.effort, related=len(clauses),
+                        self.effort, related=len(induction.clauses),
                         questions=self.effort.questions + induction.questions))
         return None
 
-    def holds(
-        self, product: Product, induction: Induction, clauses: Sequence[Clause], steps: int,
-    ) -> bool:
+    def holds(self, product: Product, induction: Induction, steps: int) -> bool:
         """Say whether the condition never holds after so many scans from any state without it."""
         terms = product.terms
         solver = Solver(exact=True, timeout_ms=int(min(self.limits.left(), 20.0) * 1000))
         state: Sequence[Term] = induction.before
         for number in range(steps):
-            solver.add(terms.and_(*[clause_term(terms, one, state) for one in clauses]))
+            solver.add(terms.and_(*[
+                clause_term(terms, one, state) for one in induction.clauses]))
             moment = free_moment(terms, [self.subject], f' @{number}')
             state = product.scan(state, product.input_terms(f' @{number}'), moment)
             bad = _value(product, self.condition, state)
