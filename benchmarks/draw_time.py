@@ -18,7 +18,7 @@ from compiler.large import SHAPES
 from support.graphs import crossings
 
 from ladder_ros.compiler.pipeline import analyse
-from ladder_ros.edit.aov_to_rung import draw_rung
+from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.model.program import Program, Rung
 
 

@@ -11,27 +11,31 @@ import argparse
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 import gc
+from pathlib import Path
+import sys
 import time
 import tracemalloc
 from unittest.mock import patch
 
-from synthetic import flat_plant, program_of
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT / 'test'), str(ROOT)]
 
-from ladder_ros.compiler import pipeline
-from ladder_ros.executable import Variant
-from ladder_ros.source.model_to_xml import write_program
-from ladder_ros.source.read_any import parse_any
+from support.plants import flat_plant, program_of  # noqa: E402
+
+from ladder_ros.compiler import pipeline  # noqa: E402
+from ladder_ros.executable import Executable, Variant  # noqa: E402
+from ladder_ros.source.model_to_xml import write_program  # noqa: E402
+from ladder_ros.source.read_any import again_from, parse_any  # noqa: E402
 
 SIZES = (10, 100, 1000, 10_000)
 STAGES: Mapping[str, tuple[str, ...]] = {
     'resolve': ('resolve_symbols',),
     'connect': ('analyse_connections',),
     'graph': ('build_aov', 'expand_inline'),
-    'reduce': ('reduce_to_tree',),
-    'lower': ('lower_to_il',),
-    'link': ('link_code', 'list_components'),
+    'code': ('code_rungs',),
+    'link': ('link_code',),
     'verify': ('verify_il', 'check_size', 'check_coils'),
-    'lay out': ('lay_out',),
+    'lay out': ('lay_out_variables', 'lay_out'),
     'inventory': ('list_rungs', 'list_tasks', 'list_routines'),
 }
 """The functions of each stage, by the names under which the pipeline calls them."""
@@ -41,6 +45,9 @@ TARGETS = {1000: 0.3, 10_000: 3.0}
 
 MOST_COMPILING = 10.0
 """KiB a rung that may be needed at most while compiling."""
+
+MOST_KEPT = 1.0
+"""KiB a rung that a program which runs may keep, its file not counted."""
 
 
 class Clock:
@@ -86,15 +93,23 @@ def stages(data: bytes) -> dict[str, float]:
             for stage, names in STAGES.items()}
 
 
+def once_compiled(data: bytes) -> Executable:
+    """Return a program that is ready to run, and can be compiled again from its file."""
+    program = parse_any(data, 'plant.xml')
+    compilation = pipeline.compile_program(program, again=again_from(program, data, 'plant.xml'))
+    compilation.first(Variant())
+    return compilation.executable
+
+
 def memory(data: bytes) -> tuple[float, float]:
     """Return the bytes needed at most from file to executable, and those kept by that."""
     gc.collect()
     tracemalloc.start()
     try:
-        executable = pipeline.compile_program(parse_any(data, 'plant.xml')).executable
-        executable.build(Variant())
+        executable = once_compiled(data)
         gc.collect()
         kept, peak = tracemalloc.get_traced_memory()
+        del executable
     finally:
         tracemalloc.stop()
     return peak, kept
@@ -127,8 +142,9 @@ def main() -> None:
         if not options.no_memory:
             peak, kept = (amount / count / 1024 for amount in memory(data))
             print(f'{"":7} memory a rung: {peak:.1f} KiB at most, target {MOST_COMPILING:g} KiB: '
-                  f'{"met" if peak <= MOST_COMPILING else "missed"}; {kept:.1f} KiB kept by the '
-                  'executable and what it can be built from again', flush=True)
+                  f'{"met" if peak <= MOST_COMPILING else "missed"}; {kept:.2f} KiB kept by the '
+                  f'executable, target {MOST_KEPT:g} KiB: '
+                  f'{"met" if kept <= MOST_KEPT else "missed"}', flush=True)
 
 
 if __name__ == '__main__':

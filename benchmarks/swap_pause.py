@@ -15,8 +15,10 @@ layout, ``other`` to one with one variable and one rung more.
 
 ``--deadlines`` compares missed deadlines of a program of 1,000 rungs every millisecond: idle,
 beside another process that computes at a low priority, while programs are compiled for it and put
-in place without a break, and while compiled ones are; in turns, to meet the same machine.  It also
-tells what was missed though the scan thread did not wait for a processor (Linux counts that).
+in place without a break, and while compiled ones are; in turns, to meet the same machine.  Missed
+is a scan that is not over when the next is due, or that was left out, as the session counts them.
+A late scan may have been kept by what this process does for a change; it tells how many were late
+while it did anything but wait.  It ends with the difference to the neighbour, round by round.
 
 ``--soak`` swaps ever so often under a load of written inputs, and tells scans, gaps, memory and
 whether an output that both programs hold at TRUE was ever told to be something else.
@@ -27,18 +29,21 @@ from __future__ import annotations
 import argparse
 from array import array
 from collections.abc import Iterator
+from contextlib import nullcontext
 from dataclasses import asdict, dataclass
 import gc
 import itertools
 import json
+from operator import sub
 from pathlib import Path
 import platform
-from statistics import mean, median
-import subprocess
+from statistics import mean, median, stdev
 import sys
 import tempfile
 import threading
 import time
+
+from neighbour import neighbour
 
 from ladder_ros.session import ControllerState, Loaded, ScanResult, Session, SwapReport
 
@@ -75,14 +80,9 @@ def program(rungs: int, *, extra: bool = False, turned: bool = False) -> str:
 
 
 class Gaps:
-    """Listens to scans: gaps between them, and whether a held output ever was not.
+    """Listens to scans: gaps between them, and whether a held output ever was not."""
 
-    With ``causes`` also how many deadlines (of every millisecond) were missed though the scan
-    thread, by the kernel's account, did not wait for a processor (Linux).
-    """
-
-    def __init__(self, *, causes: bool = False) -> None:
-        self._causes = causes
+    def __init__(self) -> None:
         self.clear()
         self.is_held = False
 
@@ -92,20 +92,9 @@ class Gaps:
         self.count = 0
         self.last = 0
         self.glitches = 0
-        self.own = 0
-        self._waited: int | None = None
-
-    def _judge(self, gap: int) -> None:
-        """Count what was missed in a gap without waiting for a processor."""
-        text = Path('/proc/thread-self/schedstat').read_text(encoding='ascii')
-        before, self._waited = self._waited, int(text.split()[1])
-        if before is not None:
-            self.own += max(round((gap - (self._waited - before)) / MS) - 1, 0)
 
     def __call__(self, result: ScanResult) -> None:
         now = time.monotonic_ns() - result.execution_ns
-        if self.last and self._causes:
-            self._judge(now - self.last)
         if self.last:
             self.gaps[self.count % ROOM] = now - self.last
             self.count += 1
@@ -206,41 +195,57 @@ def measure(folder: Path, rungs: int, interval: int, swaps: int) -> Iterator[Row
         yield from results.values()
 
 
-NEIGHBOUR = """
-from ladder_ros.runtime.scheduling import stay_behind
-stay_behind()
-while True:
-    [{n: str(n)} for n in range(20_000)]
-"""
+class Culprit:
+    """Listens to scans: counts those that were over too late while this process was at work.
+
+    That is, while the thread that changes programs was not waiting for the other process, for the
+    scan thread or for the time to pass.
+    """
+
+    WAITING = ('wait', '_wait', 'neighbour')
+
+    def __init__(self) -> None:
+        self._thread = threading.get_ident()
+        self.late = self.own = 0
+
+    def __call__(self, result: ScanResult) -> None:
+        if time.monotonic_ns() - result.now > MS:
+            self.late += 1
+            frame = sys._current_frames()[self._thread]
+            self.own += frame.f_code.co_name not in self.WAITING
+
+
+def missed(session: Session) -> tuple[int, int]:
+    """Return how many deadlines a session has missed, and met or missed."""
+    found = session.statistics
+    return found.skipped + found.overruns, found.skipped + found.scans
 
 
 def deadlines(folder: Path, rounds: int, seconds: float = 2.0) -> dict[str, list[float]]:
-    """Return missed deadlines a thousand scans, a number a round, by what happens beside."""
-    paths = [folder / 'a.xml', folder / 'b.xml']
-    numbers = itertools.count()
-    gaps = Gaps(causes=True)
+    """Return missed deadlines a thousand, a number a round, by what happens beside."""
+    texts = [program(1000, extra=extra) for extra in (True, False)]
+    files = []
+    for number in range(int(rounds * seconds * 10)):  # before: the session is to compute nothing
+        files.append(folder / f'{number}.xml')
+        files[-1].write_text(texts[number % 2] + f'<!-- {number} -->')
+    unused = itertools.cycle(files)
     found: dict[str, list[float]] = {}
-    own: dict[str, list[float]] = {}
-
-    def write(path: Path, extra: bool) -> Path:
-        path.write_text(program(1000, extra=extra) + f'<!-- {next(numbers)} -->')
-        return path
+    own: dict[str, int] = {}
+    times: dict[str, int] = {}
 
     with Session(interval_ns=MS) as session:
-        session.open(write(paths[0], False))
-        session.add_listener(gaps)
+        session.open(next(unused))
+        culprit = Culprit()
+        session.add_listener(culprit)
         session.start()
         session.write('go', True)
-        made = [session.prepare(write(path, extra)) for path, extra in zip(
-            paths, (True, False), strict=True)]
-        turns = itertools.cycle(made)
-
-        def compile_and_swap() -> None:
-            extra = next(numbers) % 2 == 0
-            session.load(write(paths[extra], extra))
+        turns = itertools.cycle([session.prepare(next(unused)) for _ in range(2)])
 
         def wait() -> None:
             time.sleep(0.01)
+
+        def compile_and_swap() -> None:
+            session.load(next(unused))
 
         def swap() -> None:
             session.commit(next(turns))
@@ -250,28 +255,31 @@ def deadlines(folder: Path, rounds: int, seconds: float = 2.0) -> dict[str, list
                 'swapped': swap}
         for number in range(rounds):
             for name in list(ways)[number % 4:] + list(ways)[:number % 4]:
-                beside = subprocess.Popen(
-                        [sys.executable, '-c', NEIGHBOUR], start_new_session=True) \
-                    if name == 'neighbour' else None
-                time.sleep(0.3)
-                gaps.clear()
-                end = time.monotonic() + seconds
-                count = 0
-                while time.monotonic() < end:
-                    ways[name]()
-                    count += 1
-                row = measured(session, gaps, 1000, 1, name, [])
-                found.setdefault(name, []).append(1000 * row.missed / row.scans)
-                own.setdefault(name, []).append(1000 * gaps.own / row.scans)
-                if beside is not None:
-                    beside.kill()
-                    beside.wait()
-                print(f'{name:>22}{row.scans:>7} scans{row.missed:>6} missed, {gaps.own:>4} not '
-                      f'for want of a processor{row.longest_gap_ms:>8.1f} ms longest'
-                      f'{count:>6} times', flush=True)
-    for what, numbers in (('missed', found), ('not for want of a processor', own)):
-        print(f'{what}, a thousand scans: ' + ', '.join(
-            f'{name} {median(values):.1f}' for name, values in numbers.items()))
+                with neighbour() if name == 'neighbour' else nullcontext():
+                    time.sleep(0.3)
+                    before, end, count = missed(session), time.monotonic() + seconds, 0
+                    culprit.late = culprit.own = 0
+                    while time.monotonic() < end:
+                        ways[name]()
+                        count += 1
+                    lost, scans = map(sub, missed(session), before)
+                found.setdefault(name, []).append(1000 * lost / scans)
+                late, of_them = culprit.late, culprit.own
+                own[name] = own.get(name, 0) + of_them
+                times[name] = times.get(name, 0) + count
+                print(f'{name:>22}{scans:>7} deadlines{lost:>6} missed by{late:>4} late scans, '
+                      f'{of_them:>2} of them beside work here{count:>6} times', flush=True)
+    print('missed, a thousand: ' + ', '.join(
+        f'{name} {mean(numbers):.2f} (median {median(numbers):.2f})'
+        for name, numbers in found.items()))
+    print('late scans beside work in the process that scans: ' + ', '.join(
+        f'{name} {own[name]} in {times[name]} changes'
+        for name in ('compiled and swapped', 'swapped')))
+    for name in ('idle', 'compiled and swapped', 'swapped'):
+        more = [one - other for one, other in zip(found[name], found['neighbour'], strict=True)]
+        error = stdev(more) / len(more) ** 0.5
+        print(f'{name} against neighbour: median {median(more):+.2f}, mean {mean(more):+.2f}, '
+              f'standard error {error:.2f}')
     return found
 
 

@@ -9,7 +9,9 @@ of their own.  The client writes one of two programs into the file and calls ~/r
 asked for.  After every tenth of it: intervals without a scan a thousand scans, how often a scan
 number was not the one after the last (the program counts its scans in an output), how often the
 output that both programs hold at TRUE was published as something else, and the memory of the node
-and of the process that compiles for it.  At last the same time again without any change.
+and of the process that compiles for it.  After each tenth comes the baseline, as long: the same
+file is written and ~/reload called as often, but nothing has changed, while another process
+computes at a low priority as the one does that compiles.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ import argparse
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
+from functools import partial
 import json
 import os
 from pathlib import Path
@@ -29,6 +32,8 @@ import tempfile
 import threading
 import time
 from typing import Any
+
+from neighbour import neighbour
 
 WAIT = 60.0
 RATE = 1000.0
@@ -62,6 +67,7 @@ class Row:
     """A line of the table: numbers since the last one, memory in MiB."""
 
     swaps: int
+    calls: int
     seconds: float
     scans: int
     skipped: int
@@ -71,12 +77,14 @@ class Row:
     compiler_mib: float
 
     def __str__(self) -> str:
-        return (f'{self.swaps:>8}{self.seconds:>9.1f}{self.scans:>9}'
+        return (f'{self.swaps:>8}{self.calls:>7}{self.seconds:>9.1f}{self.scans:>9}'
+                f'{self.skipped:>9}'
                 f'{1000 * self.skipped / max(self.scans, 1):>13.2f}{self.uncounted:>11}'
                 f'{self.glitches:>10}{self.node_mib:>11.1f}{self.compiler_mib:>14.1f}')
 
 
-HEAD = (f'{"swaps":>8}{"seconds":>9}{"scans":>9}{"skipped/1000":>13}{"uncounted":>11}'
+HEAD = (f'{"swaps":>8}{"calls":>7}{"seconds":>9}{"scans":>9}{"skipped":>9}{"a thousand":>13}'
+        f'{"uncounted":>11}'
         f'{"glitches":>10}{"node MiB":>11}{"compiler MiB":>14}')
 
 
@@ -204,29 +212,42 @@ def storm(swaps: int, rungs: int, interval_ms: float) -> Iterator[Row]:
                 before, begun = client.reload(), time.monotonic()
                 client.uncounted = client.glitches = 0
                 first = dict(client.state)
-                work()
+                calls = work()
                 lasted, said = time.monotonic() - begun, client.state.get('scans', 0)
                 wait_for(lambda: client.state.get('scans', 0) > said, 'the state')
                 assert before.get('success'), before
                 last = client.state
                 return Row(
-                    swaps=number, seconds=lasted, scans=last['scans'] - first['scans'],
+                    swaps=number, calls=calls, seconds=lasted,
+                    scans=last['scans'] - first['scans'],
                     skipped=last['skipped'] - first['skipped'], uncounted=client.uncounted,
                     glitches=client.glitches, node_mib=resident(plc.pid),
                     compiler_mib=max(map(resident, children(plc.pid)), default=0.0))
 
-            def swap() -> None:
-                for number in range(max(swaps // 10, 1)):
+            def swap() -> int:
+                for number in range(tenth):
                     (folder / 'storm.xml').write_text(texts[number % 2], encoding='utf-8')
                     answer = client.reload()
                     if not answer.get('success') or answer.get('unchanged'):
                         raise RuntimeError(str(answer))
+                return tenth
 
-            begun = time.monotonic()
-            for tenth in range(1, 11):
-                yield measured(tenth * max(swaps // 10, 1), swap)
-            lasted = (time.monotonic() - begun) / 10
-            yield measured(0, lambda: time.sleep(lasted))
+            def ask(seconds: float) -> int:
+                begun, number = time.monotonic(), 0
+                with neighbour():
+                    while (left := seconds - (time.monotonic() - begun)) > 0:
+                        (folder / 'storm.xml').write_text(texts[1], encoding='utf-8')
+                        if not client.reload().get('unchanged'):
+                            raise RuntimeError('a change')
+                        number += 1
+                        time.sleep(min(left, seconds / tenth))
+                return number
+
+            tenth = max(swaps // 10, 1) // 2 * 2  # even: it ends with the program of the baseline
+            for number in range(1, 11):
+                row = measured(number * tenth, swap)
+                yield row
+                yield measured(0, partial(ask, row.seconds))
 
 
 def main() -> None:
@@ -244,13 +265,19 @@ def main() -> None:
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     os.environ.setdefault('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4')
     print(f'Python {platform.python_version()}, {platform.machine()}: {options.rungs} rungs every '
-          f'{options.interval:g} ms; swaps 0: as long without a change\n{HEAD}')
-    rows = []
+          f'{options.interval:g} ms; swaps 0: as long without a change, beside another process\n'
+          f'{HEAD}')
+    rows: list[Row] = []
     for row in storm(options.swaps, options.rungs, options.interval):
         print(row, flush=True)
-        rows.append(asdict(row))
+        rows.append(row)
+    for what, chosen in (('with swaps', rows[::2]), ('without', rows[1::2])):
+        scans, skipped = (sum(getattr(row, of) for row in chosen) for of in ('scans', 'skipped'))
+        print(f'{what}: {skipped} of {scans} skipped, '
+              f'{1000 * skipped / max(scans, 1):.2f} a thousand')
     if options.json:
-        options.json.write_text(json.dumps(rows, indent=2) + '\n', encoding='utf-8')
+        options.json.write_text(
+            json.dumps([asdict(row) for row in rows], indent=2) + '\n', encoding='utf-8')
 
 
 if __name__ == '__main__':

@@ -9,7 +9,7 @@ one Python value a slot, made by :meth:`Executable.initial_state` and given to e
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, MutableSequence, Sequence
+from collections.abc import Callable, Iterator, Mapping, MutableSequence, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Generic, overload, Protocol, TypeVar
@@ -73,6 +73,46 @@ class Parts(Sequence[_T], Generic[_T]):
         return list(self._found.values())
 
 
+class Later(Sequence[_T], Generic[_T]):
+    """Items that are made all together when somebody looks at one of them."""
+
+    def __init__(self, make: Callable[[], Sequence[_T]]) -> None:
+        """Keep what makes them."""
+        self._make: Callable[[], Sequence[_T]] | None = make
+        self._found: Sequence[_T] = ()
+
+    def made(self) -> list[Sequence[_T]]:
+        """Return the items if somebody has looked at one."""
+        return [self._found] if self._make is None else []
+
+    def _items(self) -> Sequence[_T]:
+        if self._make is not None:
+            self._found = self._make()
+            self._make = None
+        return self._found
+
+    def __len__(self) -> int:
+        return len(self._items())
+
+    @overload
+    def __getitem__(self, index: int) -> _T: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[_T]: ...
+
+    def __getitem__(self, index: int | slice) -> _T | Sequence[_T]:
+        return self._items()[index]
+
+    def __iter__(self) -> Iterator[_T]:
+        return iter(self._items())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and tuple(self) == tuple(other)
+
+    def __hash__(self) -> int:
+        return hash(tuple(self))
+
+
 class SlotClass(Enum):
     """What a slot is for."""
 
@@ -129,6 +169,9 @@ class ComponentEntry:
     location: Location
     slots: tuple[int, ...] = ()
 
+
+FIRST_BACKEND = 'python'
+"""The backend that is ready first, and always there."""
 
 Scan = Callable[[State, int, 'list[bool] | None'], object]
 """One pass of an entry point: (state, now in ns, power) changes the state in place.
@@ -314,7 +357,10 @@ class Executable:
         """Return all that there are many of, for who frees a program little by little."""
         found: list[Sequence[object]] = [tuple(self.by_path)]
         for items in (self.slots, self.components, self.rungs):
-            found += items.unpacked() if isinstance(items, Parts) else [items]
+            if isinstance(items, Parts):
+                found += items.unpacked()
+            else:
+                found += items.made() if isinstance(items, Later) else [items]
         return found
 
     def initial_state(self) -> State:

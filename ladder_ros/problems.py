@@ -203,6 +203,7 @@ _RUNNING = (
     _error('L0513', 'the values cannot be read: {reason}',
            'give a message of ~/monitor, a JSON object of values by variable, or a CSV table as '
            '`ladder simulate` writes it'),
+    _error('L0514', '{first} and {second} do not go together', '{expected}'),
     _error('L0520', '{request} is not possible: {reason}', '{expected}'),
     _error('L0521', 'the program was not compiled: {reason}', '{expected}'),
     _warning('L0522', '{name} was nowhere: the running program has no {places}',

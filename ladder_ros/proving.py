@@ -149,9 +149,9 @@ def subject_of(program: Program) -> Subject:
     compilation = compile_program(program)
     executable = compilation.executable
     tasks, interval = make_tasks(executable)
-    assert compilation.code is not None
+    assert compilation.work is not None
     return Subject(
-        executable=executable, code=compilation.code, interval=interval,
+        executable=executable, code=compilation.work.linked.code, interval=interval,
         turns=tuple(Turn(name=task.entry.name.casefold(), bodies=task.bodies, ratio=task.ratio,
                          single=task.single) for task in tasks),
         play=lambda: ScanCycle(executable))

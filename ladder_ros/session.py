@@ -8,9 +8,10 @@ program file and return; a :class:`Session` runs one program in a thread of its 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from datetime import datetime, timezone
 import os
+from typing import TypeVar
 
 from ladder_ros.background.process import COMPILER
 from ladder_ros.compiler.dump import dump_stage, STAGES
@@ -19,7 +20,7 @@ from ladder_ros.compiler.program_to_plcopen import write_plcopen
 from ladder_ros.compiler.program_to_st import write_il, write_st
 from ladder_ros.compiler.program_to_xml import write_xml
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location
-from ladder_ros.executable import Executable
+from ladder_ros.executable import Executable, Variant
 from ladder_ros.model.types import Value
 from ladder_ros.proving_process import ProverProcess
 from ladder_ros.runtime.assurance import Assurance, Requirement
@@ -41,10 +42,11 @@ from ladder_ros.runtime.names import find_slot, named_slots, value_for
 from ladder_ros.runtime.online_change import SwapReport
 from ladder_ros.runtime.preflight import Preflight, Verdict
 from ladder_ros.runtime.process_image import Write
-from ladder_ros.runtime.quiet import giving_way, QUIET
+from ladder_ros.runtime.quiet import giving_way, in_parts, QUIET
 from ladder_ros.runtime.recorder import RecordSummary, TraceRecorder
 from ladder_ros.runtime.replay import read_trace, replay_trace, ReplayResult
 from ladder_ros.runtime.retention import Retention
+from ladder_ros.runtime.scheduling import RealTime
 from ladder_ros.runtime.session_status import session_status
 from ladder_ros.runtime.shadow import ShadowStatus
 from ladder_ros.runtime.simulation import DEFAULT_SCANS, prepare_simulation, Simulation
@@ -53,7 +55,7 @@ from ladder_ros.runtime.statistics import Statistics
 from ladder_ros.runtime.trace_csv import format_rows, InputTable
 from ladder_ros.runtime.trial import ChangeKind, DEFAULT_OVERRUN_LIMIT, DEFAULT_TIMEOUT
 from ladder_ros.runtime.values import format_value, parse_value
-from ladder_ros.source.read_any import file_hash, openplc_folder, read_with_source
+from ladder_ros.source.read_any import again_from, file_hash, openplc_folder, read_with_source
 from ladder_ros.source.xml_tree import read_file
 
 __all__ = [
@@ -71,6 +73,7 @@ __all__ = [
     'InputTable',
     'Loaded',
     'Preflight',
+    'RealTime',
     'RecordSummary',
     'ReplayResult',
     'Requirement',
@@ -100,6 +103,8 @@ __all__ = [
 DEFAULT_BACKEND = next(iter(BACKENDS))
 EXPORTS = ('xml', 'plcopen', 'st', 'il')
 """The forms in which a program can be written."""
+
+_T = TypeVar('_T')
 
 
 # -- looking at a file --------------------------------------------------------------------------
@@ -143,7 +148,11 @@ def export(path: str | os.PathLike[str], to: str) -> str:
 def compile_file(path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -> Loaded:
     """Compile a program file.  Raises LadderError with every error that was found."""
     program, source_hash, source = read_with_source(path)
-    compilation = compile_program(program, backend=backend, source_hash=source_hash)
+    again = again_from(program, source, os.fspath(path)) if backend == DEFAULT_BACKEND else None
+    compilation = compile_program(
+        program, backend=backend, source_hash=source_hash, again=again)
+    if again is not None:
+        compilation.first(Variant())  # while the work that this needs is there
     return Loaded(
         path=os.fspath(path), name=program.name, source_hash=source_hash, source=source,
         executable=compilation.executable, diagnostics=compilation.diagnostics)
@@ -189,15 +198,16 @@ class Session:
     def __init__(
         self, *, clock: Clock | None = None, interval_ns: int | None = None,
         retain_path: str | os.PathLike[str] | None = None, retain_period_s: float = 1.0,
-        background: bool = True,
+        background: bool = True, real_time: RealTime | None = None,
     ) -> None:
         """Make an empty session; ``interval_ns`` None leaves the interval to the program.
 
         Retained variables are kept in the file ``retain_path``, if there is one.  ``background``
-        False compiles in this process, always.  Raises LadderError L0505 if the interval cannot be
-        used.
+        False compiles in this process, always.  ``real_time`` is what the scan thread asks the
+        operating system for; what that refuses the status tells.  Raises LadderError L0505 if the
+        interval cannot be used.
         """
-        self._controller = Controller(clock, COMPILER if background else None)
+        self._controller = Controller(clock, COMPILER if background else None, real_time)
         self._controller.set_interval(interval_ns)
         self._desk = ChangeDesk(self._controller, _stamp, Assurance(ProverProcess()))
         self._controller.add_state_listener(self._on_state)
@@ -277,21 +287,35 @@ class Session:
             backend = before.backend if before else DEFAULT_BACKEND
         # What is compiled here leaves much behind, which is freed in one go when it is replaced.
         runs = self._is_real or self.state is ControllerState.RUNNING
-        if not (self._background and runs) or openplc_folder(os.fspath(path)) is not None:
+        if not (self._background and runs):
             return compile_file(path, backend)
-        data = read_file(path)
-        source_hash = file_hash(data, os.fspath(path))
-        if before is not None and (before.source_hash, before.backend) == (source_hash, backend):
-            return Loaded(path=os.fspath(path), name=before.name, source_hash=source_hash,
-                          executable=before.executable, diagnostics=before.diagnostics,
-                          source=data)
         with giving_way(self.interval_ns):
+            self._controller.breathe()
+            if openplc_folder(os.fspath(path)) is not None:
+                return compile_file(path, backend)
+            data = read_file(path)
+            source_hash = file_hash(data, os.fspath(path))
+            if before is not None and (
+                    before.source_hash, before.backend) == (source_hash, backend):
+                return Loaded(path=os.fspath(path), name=before.name, source_hash=source_hash,
+                              executable=before.executable, diagnostics=before.diagnostics,
+                              source=data)
             compilation = COMPILER.compile(
                 data, os.fspath(path), backend=backend, timeout=timeout_s,
                 breathe=self._controller.breathe)
         return Loaded(
             path=os.fspath(path), name=compilation.executable.name, source_hash=source_hash,
             executable=compilation.executable, diagnostics=compilation.diagnostics, source=data)
+
+    @property
+    def refused(self) -> tuple[str, ...]:
+        """What the operating system has refused the scan thread, a sentence each."""
+        return self._controller.refused
+
+    def in_turns(self, items: Iterable[_T]) -> Iterator[_T]:
+        """Yield items that take long to make, a few at a time between two scans."""
+        with giving_way(self.interval_ns):
+            yield from in_parts(items, self._controller.breathe)
 
     def load(self, path: str | os.PathLike[str], backend: str | None = None) -> Change:
         """Compile a program and put it in the place of the present one; see :meth:`commit`."""

@@ -13,9 +13,11 @@ import csv
 from dataclasses import replace
 import json
 import os
+import re
 
-from ladder_ros.compiler.dump import require_pou, with_drawings
+from ladder_ros.compiler.dump import require_pou
 from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.coordinates.imported import with_drawings
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.drawing.program_html import program_html, Report
 from ladder_ros.drawing.program_svg import program_svg, ProgramStyle
@@ -51,21 +53,25 @@ def as_svg(
     ``values`` is a file of values that colour the power flow: a message of ``~/monitor``, a JSON
     object, or a CSV table of which the last row counts.  Raises LadderError (L0509, L0512, L0513).
     """
-    style = ProgramStyle() if values is None else read_values(values)
-    return program_svg(_drawn(path, pou, rung), pou, rung, replace(style, grid=grid))
+    program = _drawn(path, pou, rung)
+    return program_svg(program, pou, rung, replace(_style(program, values), grid=grid))
 
 
-def as_html(path: str | os.PathLike[str]) -> str:
+def as_html(
+    path: str | os.PathLike[str], *, grid: bool = False,
+    values: str | os.PathLike[str] | None = None,
+) -> str:
     """Return a report of a whole program as one page, with its mistakes if it has some.
 
-    What an imported program's errors keep from being drawn is left out.  Raises LadderError if
-    the file cannot be read.
+    What an imported program's errors keep from being drawn is left out.  ``values`` colour the
+    power flow.  Raises LadderError if a file cannot be read (L0513).
     """
     program, source_hash, _ = read_with_source(path)
     diagnostics = check_program(program)
     metrics = measure(program)
     return program_html(Report(
-        program=_as_drawn(program), diagnostics=diagnostics,
+        program=_as_drawn(program), style=replace(_style(program, values), grid=grid),
+        diagnostics=diagnostics,
         facts=_facts(os.path.basename(os.fspath(path)), source_hash, program, metrics),
         measures={one.name.casefold(): _measures(one) for one in metrics.composites},
         references=cross_reference(program)))
@@ -124,6 +130,24 @@ def _drawn(path: str | os.PathLike[str], pou: str | None, rung: str | None) -> P
     return program
 
 
+def _style(program: Program, values: str | os.PathLike[str] | None) -> ProgramStyle:
+    """Return the style that a file of values asks for.
+
+    Raises LadderError L0513 if it cannot be read, or is of another program.
+    """
+    if values is None:
+        return ProgramStyle()
+    style = read_values(values)
+    known = {variable.name.casefold() for variable in program.variables}
+    known |= {getattr(component, 'instance', '').casefold() for body in program.bodies
+              for rung in body.rungs for component in rung.components}
+    named = {re.split(r'[.\[]', name)[0] for name in style.values or ()}
+    if named and known.isdisjoint(named):
+        raise LadderError.of('L0513', Location(file=os.fspath(values)), reason=(
+            'none of its names is a variable of the program'))
+    return style
+
+
 def read_values(path: str | os.PathLike[str]) -> ProgramStyle:
     """Read values, and the power flow if it is there.  Raises LadderError L0513."""
     file = os.fspath(path)
@@ -142,17 +166,27 @@ def read_values(path: str | os.PathLike[str]) -> ProgramStyle:
 
 def _from_json(found: Mapping[str, object]) -> ProgramStyle:
     """Read a message of ``~/monitor``, or an object that has only the values."""
-    values, power = found.get('values'), found.get('power')
+    values, power, pou = found.get('values'), found.get('power'), found.get('pou', '')
     if not isinstance(values, dict):
         return ProgramStyle(values=_texts(found))
-    if not isinstance(power, dict):
+    if power is None:
         return ProgramStyle(values=_texts(values))
-    return ProgramStyle(values=_texts(values), power={str(found.get('pou', '')).casefold(): {
-        str(rung): {str(name): bool(on) for name, on in components.items()}
+    if not isinstance(power, dict) or not isinstance(pou, str):
+        raise TypeError('power is no object of rungs, or pou is no name')
+    return ProgramStyle(values=_texts(values), power={pou.casefold(): {
+        rung: {name: _is_on(name, on) for name, on in components.items()}
         for rung, components in power.items()}})
+
+
+def _is_on(name: str, on: object) -> bool:
+    if not isinstance(on, (bool, int)):
+        raise TypeError(f'the power of {name} is neither true nor false')
+    return bool(on)
 
 
 def _texts(values: Mapping[str, object]) -> dict[str, str]:
     """Return values as text by casefolded name."""
-    return {name.casefold(): str(value) for name, value in values.items()
-            if isinstance(value, (bool, int, float, str))}
+    for name, value in values.items():
+        if not isinstance(value, (bool, int, float, str)):
+            raise TypeError(f'{name} is a list, an object or null')
+    return {name.casefold(): str(value) for name, value in values.items()}

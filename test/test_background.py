@@ -5,13 +5,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+import os
 from pathlib import Path
+import signal
 import threading
 import time
 import weakref
 
 import pytest
 
+from ladder_ros.background.frames import Channel
 from ladder_ros.background.process import CompilerProcess
 from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.diagnostics import LadderError
@@ -194,6 +197,54 @@ def test_compile_when_it_takes_too_long_then_l0521() -> None:
         assert time.monotonic() - begun < PATIENCE
     finally:
         compiler.close()
+
+
+def test_compile_when_the_process_hears_nothing_then_l0521_and_the_next_one_is_compiled() -> None:
+    compiler = CompilerProcess()
+    path = PROGRAMS[0]
+    try:
+        compiler.compile(path.read_bytes(), str(path), backend='python')
+        assert compiler._process is not None
+        compiler._process.send_signal(signal.SIGSTOP)
+        long = path.read_bytes() + b' ' * 1_000_000  # more than the pipe takes
+        with pytest.raises(LadderError) as caught:
+            compiler.compile(long, str(path), backend='python', timeout=0.2)
+        assert caught.value.diagnostics[0].code == 'L0521'
+        assert states(compiler.compile(long, str(path), backend='python').executable)
+    finally:
+        compiler.close()
+
+
+@pytest.mark.skipif(not hasattr(os, 'SCHED_IDLE'), reason="the class is Linux's")
+def test_compile_when_done_elsewhere_then_whoever_scans_goes_first(
+    compiler: CompilerProcess,
+) -> None:
+    path = PROGRAMS[0]
+    compiler.compile(path.read_bytes(), str(path), backend='python')
+    assert compiler._process is not None
+    assert os.sched_getscheduler(compiler._process.pid) == os.SCHED_IDLE
+
+
+def test_frames_when_larger_than_the_pipe_and_in_pieces_then_they_arrive_whole() -> None:
+    source, sink = os.pipe()
+    channel = Channel(source, sink)
+    channel.within(round(PATIENCE * 1e9))
+    frames = [bytes([n]) * size for n, size in enumerate((0, 1, 70_000, 3, 500_000, 0))]
+
+    def write() -> None:
+        for frame in frames:
+            channel.send(frame)
+        os.close(sink)
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    try:
+        assert [channel.receive() for _ in frames] == frames
+        with pytest.raises(EOFError):
+            channel.receive()
+    finally:
+        writer.join(PATIENCE)
+        os.close(source)
 
 
 def test_executable_when_nobody_has_it_then_its_code_is_freed_without_a_collection(

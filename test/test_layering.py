@@ -44,10 +44,11 @@ MAY_IMPORT: dict[str, set[str]] = {
     'executable': BASE | {'model'},
     'blocks': BASE | {'model'},
     'compiler': DATA | {'source', 'blocks'},
-    'edit': DATA | {'source', 'blocks', 'compiler'},
-    'refactor': DATA | {'source', 'blocks', 'compiler', 'edit'},
+    'coordinates': DATA | {'compiler'},
+    'edit': DATA | {'source', 'blocks', 'compiler', 'coordinates'},
+    'refactor': DATA | {'source', 'blocks', 'compiler', 'coordinates', 'edit'},
     'runtime': BASE | {'model.types', 'executable'},
-    'comparing': DATA | {'source', 'drawing', 'refactor'},
+    'comparing': DATA | {'source', 'drawing', 'coordinates', 'refactor'},
     'proving_process': {'runtime'},
     # Does for the runtime what the compiler can, in another process.
     'background': DATA | {'source', 'blocks', 'compiler', 'runtime'},
@@ -57,7 +58,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     },
     'refactoring': DATA | {'source', 'drawing', 'compiler', 'refactor'},
     'proving': DATA | {'source', 'compiler', 'refactor', 'runtime'},
-    'showing': DATA | {'source', 'drawing', 'compiler', 'refactor'},
+    'showing': DATA | {'source', 'drawing', 'compiler', 'coordinates', 'refactor'},
     'editing': DATA | {'source', 'drawing', 'edit'},
     # What a recording of topics is for a program is the node's to say; that part needs no ROS.
     'cli': DOORS | {'ros.bag'},
@@ -88,10 +89,10 @@ MESSAGE_PACKAGE = re.compile(r'\w+_(msgs|srvs|interfaces)')
 # A scan is a function of its state, inputs and `now`: only the clock module reads a clock.
 CLOCKS = {'time', 'datetime', 'sched'}
 WITHOUT_CLOCK = ('problems', 'diagnostics', 'model', 'source', 'drawing', 'executable', 'blocks',
-                 'compiler', 'edit', 'runtime', 'background')
+                 'compiler', 'coordinates', 'edit', 'runtime', 'background')
 
 # Modules of the compiler that run it as others do, from outside.
-USERS = {'pipeline', 'dump'}
+USERS = {'pipeline', 'dump', 'rung_code'}
 NOUNS = ('symbols', 'wiring', 'aov', 'tree', 'il')
 
 # Stages know no other stage, but for parts of their own work: an imported drawing is put in order

@@ -439,10 +439,10 @@ def test_status_when_running_then_it_is_plain_json_with_the_facts(
     bench.run(2)
     status = json.loads(json.dumps(bench.session.status()))
     assert {key: status[key] for key in (
-        'state', 'program', 'path', 'backend', 'interval_ms', 'scans', 'overruns', 'skipped',
-        'forces', 'arithmetic_errors', 'last_fault')} == {
+        'state', 'program', 'path', 'backend', 'runs_as', 'interval_ms', 'scans', 'overruns',
+        'skipped', 'forces', 'arithmetic_errors', 'last_fault')} == {
         'state': 'running', 'program': 'demo', 'path': str(program), 'backend': 'python',
-        'interval_ms': 10.0, 'scans': 3, 'overruns': 0, 'skipped': 0,
+        'runs_as': 'python', 'interval_ms': 10.0, 'scans': 3, 'overruns': 0, 'skipped': 0,
         'forces': {'level': '0.10000000149011612'}, 'arithmetic_errors': 3, 'last_fault': None}
     assert status['hash'] == hashlib.sha256(program.read_bytes()).hexdigest()
 

@@ -76,10 +76,79 @@ def test_svg_when_values_are_given_then_power_is_coloured(text: str, tmp_path: P
     assert 'class="wire on"' not in showing.as_svg(START_STOP)
 
 
-@pytest.mark.parametrize('text', ['', 'start\n', '{', '{"values": {}, "power": {"1": 2}}'])
+@pytest.mark.parametrize('text', [
+    '', 'start\n', '{', '{"values": {}, "power": {"1": 2}}', '{"values": [1]}',
+    '{"start": {"a": 1}}', '{"start": null}', '{"nobody": 1}', 'nobody\n1\n',
+    '{"values": {"start": 1}, "power": 5}', '{"values": {"start": 1}, "power": {"1": {"c1": []}}}',
+    '{"values": {"start": 1}, "power": {}, "pou": ["main"]}', '{"a":' * 9999,
+], ids=lambda text: text[:30])
 def test_svg_when_values_cannot_be_read_then_l0513(text: str, tmp_path: Path) -> None:
     (tmp_path / 'values').write_text(text)
     assert codes(lambda: showing.as_svg(START_STOP, values=tmp_path / 'values')) == ['L0513']
+
+
+def test_report_when_values_are_given_then_power_is_coloured(tmp_path: Path) -> None:
+    (tmp_path / 'values').write_text('start,stop,motor\n1,0,1\n')
+    assert 'class="wire on"' in showing.as_html(START_STOP, values=tmp_path / 'values')
+
+
+@pytest.mark.parametrize('options', [
+    ['--values', 'v.csv'], ['--html', 'p.html', '--rung', '1'], ['--html', 'p.html', '--pou', 'm'],
+    ['--svg', 'p.svg', '-o', 'q.svg'], ['--values', 'v.csv', '--ascii'],
+], ids=' '.join)
+def test_show_when_an_option_would_have_no_effect_then_it_is_told(
+    options: list[str], capsys: pytest.CaptureFixture[str], tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(['show', str(START_STOP), *options]) == 1
+    assert 'L0514' in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize('words', [
+    'show {program} --svg {program}', 'show {program} --html {link}',
+    'show {program} -o {program}', 'diff {program} {program} --html {program}',
+    'diff start_stop {program} --svg {link}'])
+def test_program_when_it_would_be_overwritten_by_a_picture_then_that_is_refused(
+    words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str],
+) -> None:
+    program, link = tmp_path / 'p.xml', tmp_path / 'link.xml'
+    program.write_bytes(START_STOP.read_bytes())
+    link.symlink_to(program)
+    assert main([word.format(program=program, link=link) for word in words.split()]) == 1
+    assert 'L0507' in capsys.readouterr().err
+    assert program.read_bytes() == START_STOP.read_bytes()
+
+
+def test_svg_when_a_body_cannot_run_then_it_says_why() -> None:
+    drawn = showing.as_svg(CASES / 'editor.xml')
+    assert 'cannot run: it is written in SFC' in drawn
+
+
+def test_svg_when_an_operand_is_an_address_then_it_stands_there_once() -> None:
+    assert showing.as_svg(CASES / 'editor.xml').count('>%IX0.7</text>') == 1
+
+
+def test_pin_when_negated_then_the_inverter_is_no_function() -> None:
+    drawn = showing.as_text(CASES / 'editor.xml', 'Fill')
+    assert '|NOT|' in drawn
+
+
+def test_report_when_a_body_and_a_composite_have_one_name_then_their_ids_are_apart(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / 'p.xml').write_text(
+        '<ladder version="1" name="tasks">'
+        '<composites><composite name="Main" call="enabled"><variable name="x" type="BOOL"/>'
+        '<rung id="1" width="1"><coil id="k" x="0" y="0" operand="x"/></rung></composite>'
+        '</composites><variables><variable name="a" type="BOOL"/></variables>'
+        '<body name="main"><rung id="1" width="1"><coil id="k" x="0" y="0" '
+        'operand="a"/></rung></body><body name="variables"><rung id="1" width="1">'
+        '<coil id="k" x="0" y="0" operand="a"/></rung></body></ladder>')
+    for text in (showing.as_html(tmp_path / 'p.xml'), showing.as_svg(tmp_path / 'p.xml')):
+        found = [one.get('id') for one in ElementTree.fromstring(text).iter() if one.get('id')]
+        assert len(found) == len(set(found))
 
 
 def test_show_when_written_as_svg_then_the_file_is_told(

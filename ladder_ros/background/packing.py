@@ -31,7 +31,7 @@ from ladder_ros.runtime.state_plan import gatherer, StatePlan, widening
 
 PART = 32
 """Slots, components or rungs in a part."""
-MANY = 1000
+MANY = 256
 """Numbers or texts in a frame."""
 _FUNCTION = re.compile(r'call_(\w+)_([A-Z]+)')
 _REPORTED = ('kept', 'initialised', 'dropped', 'moved', 'converted')
@@ -185,7 +185,7 @@ def _unpack_parts(receive: Receive, breathe: Breathe) -> Parts[Any]:
     size = pickle.loads(receive())
     packed = []
     for number in range(0, size, PART):
-        if number % MANY < PART:
+        if number % MANY == 0:
             breathe()
         packed.append(receive())
     return Parts(packed, PART, size, pickle.loads)

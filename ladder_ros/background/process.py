@@ -18,10 +18,10 @@ import pickle
 import subprocess
 import sys
 import threading
-from typing import BinaryIO, TypeVar
+from typing import TypeVar
 
 import ladder_ros
-from ladder_ros.background.frames import receive, send
+from ladder_ros.background.frames import Channel
 from ladder_ros.background.packing import (
     Receive,
     unpack_code,
@@ -47,7 +47,7 @@ _LOCAL = LocalPlanner()
 
 _T = TypeVar('_T')
 Source = tuple[bytes, str, str, str]
-"""A program file's bytes, its name, the backend, the SHA-256."""
+"""A program file's bytes, which are sent after the others; its name, the backend, the SHA-256."""
 
 
 class _Gone(Exception):
@@ -91,6 +91,7 @@ class CompilerProcess:
         """Start nothing yet."""
         self._turn = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
+        self._channel: Channel | None = None
 
     def start(self) -> None:
         """Start the process if it does not run: it is then there when it is needed."""
@@ -204,7 +205,8 @@ class CompilerProcess:
     def _compile(
         self, listen: Receive, key: str, source: Source, breathe: Breathe,
     ) -> Compilation | None:
-        self._ask(('compile', key, *source))
+        breathe()
+        self._tell('compile', key, source)
         word, content = pickle.loads(listen())
         if word == 'wrong':
             raise LadderError(content)
@@ -224,59 +226,56 @@ class CompilerProcess:
             if pickle.loads(listen())[0] == 'fine':
                 return True
             for program in programs:  # it has forgotten one of them
-                self._ask(('learn', program.key, *program.source))
+                self._tell('learn', program.key, program.source)
                 listen()
         return False
 
     def _ask(self, request: object) -> None:
-        assert self._process is not None and self._process.stdin is not None
-        send(self._process.stdin, pickle.dumps(request))  # type: ignore[arg-type]
-        self._process.stdin.flush()
+        assert self._channel is not None
+        self._channel.send(pickle.dumps(request))
+
+    def _tell(self, word: str, key: str, source: Source) -> None:
+        assert self._channel is not None
+        data, *about = source
+        self._ask((word, key, *about))
+        self._channel.send(data)
 
     @contextmanager
     def _bounded(self, timeout: float, file: str) -> Iterator[Receive]:
         """Give what the process says; end it if that takes too long or is not understood."""
-        process = self._running()
-        is_late = threading.Event()
-
-        def end() -> None:
-            is_late.set()
-            process.kill()
-
-        timer = threading.Timer(timeout, end)
-        timer.daemon = True
-        timer.start()
         try:
-            assert process.stdout is not None
-            stream: BinaryIO = process.stdout  # type: ignore[assignment]
-            yield lambda: receive(stream)
+            channel = self._running()
+            channel.within(round(timeout * 1e9))
+            yield channel.receive
         except LadderError:
             raise
-        except BaseException as error:
+        except TimeoutError:
             self._end()
-            if is_late.is_set():
-                raise LadderError.of(
-                    'L0521', Location(file=file), reason=f'it takes longer than {timeout:g} s',
-                    expected='make it smaller, or split it') from None
-            if isinstance(error, (EOFError, BrokenPipeError, pickle.UnpicklingError)):
-                raise _Gone from None
+            raise LadderError.of(
+                'L0521', Location(file=file), reason=f'it takes longer than {timeout:g} s',
+                expected='make it smaller, or split it') from None
+        except (EOFError, BrokenPipeError, pickle.UnpicklingError):
+            self._end()
+            raise _Gone from None
+        except BaseException:
+            self._end()
             raise
-        finally:
-            timer.cancel()
 
-    def _running(self) -> subprocess.Popen[bytes]:
-        if self._process is None or self._process.poll() is not None:
+    def _running(self) -> Channel:
+        if self._channel is None or self._process is None or self._process.poll() is not None:
             self._end()
             root = str(Path(ladder_ros.__file__).parents[1])
             paths = [root, *filter(None, [os.environ.get('PYTHONPATH')])]
-            self._process = subprocess.Popen(
+            process = self._process = subprocess.Popen(
                 [sys.executable, '-m', 'ladder_ros.background.worker'], stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE, start_new_session=True,  # no Ctrl-C for it
+                stdout=subprocess.PIPE, bufsize=0, start_new_session=True,  # no Ctrl-C for it
                 env={**os.environ, 'PYTHONPATH': os.pathsep.join(paths)})
-        return self._process
+            assert process.stdin is not None and process.stdout is not None
+            self._channel = Channel(process.stdout.fileno(), process.stdin.fileno())
+        return self._channel
 
     def _end(self) -> None:
-        process, self._process = self._process, None
+        process, self._process, self._channel = self._process, None, None
         if process is None:
             return
         process.kill()

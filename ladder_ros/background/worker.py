@@ -35,6 +35,8 @@ from ladder_ros.runtime.planner import LocalPlanner
 from ladder_ros.runtime.scheduling import stay_behind
 from ladder_ros.source.read_any import parse_any
 
+WITH_DATA = ('compile', 'learn')
+"""Requests after which a program file's bytes come."""
 _KEPT = 4
 _PLANNER = LocalPlanner()
 
@@ -57,8 +59,9 @@ class Worker:
     def answer(self, request: Any) -> Iterator[bytes]:
         """Yield the frames of an answer.
 
-        The requests: ``('compile', key, bytes, file, backend, hash)``; ``learn``, the same without
-        the program in the answer; ``('variant', key, Variant)``; ``('transition', key, key)``;
+        The requests: ``('compile', key, file, backend, hash)``, to which the next frame, the
+        file's bytes, is appended; ``learn``, the same without the program in the answer;
+        ``('variant', key, Variant)``; ``('transition', key, key)``;
         ``('compare', key, key, forces)``; ``('native', key)`` for all of the native form but its
         object code, which ``('object', key, number)`` makes of each of its modules.  ``unknown``:
         a program is meant that is not kept.
@@ -118,7 +121,7 @@ class Worker:
     def _compile(self, key: str, source: Any, *, tell: bool) -> Iterator[bytes]:
         known = self._known.get(key)
         if known is None:
-            data, file, backend, source_hash = source
+            file, backend, source_hash, data = source
             try:
                 compilation = compile_program(
                     parse_any(data, file), backend=backend, source_hash=source_hash)
@@ -150,6 +153,8 @@ def main() -> None:
     while True:
         try:
             request = pickle.loads(receive(sys.stdin.buffer))
+            if request[0] in WITH_DATA:
+                request = (*request, receive(sys.stdin.buffer))
         except EOFError:
             return
         for frame in worker.answer(request):

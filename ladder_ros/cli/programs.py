@@ -29,6 +29,18 @@ def find_program(name: str) -> str:
     return name
 
 
+def check_target(target: str | None, *programs: str) -> None:
+    """Raise LadderError (L0507) if a picture or page would be written over a program."""
+    for program in programs:
+        try:
+            same = target is not None and Path(program).samefile(target)
+        except (OSError, ValueError):  # one of them does not exist
+            same = False
+        if same:
+            raise LadderError.of('L0507', Location(file=str(target)),
+                                 reason='it is the program itself')
+
+
 def _exists(name: str) -> bool:
     try:
         return Path(name).exists()

@@ -7,9 +7,10 @@ from __future__ import annotations
 import argparse
 
 from ladder_ros import showing
-from ladder_ros.cli.programs import find_program
+from ladder_ros.cli.programs import check_target, find_program
 from ladder_ros.cli.terminal import shows_box_characters
 from ladder_ros.cli.verb import add_pou, Answer, Verb
+from ladder_ros.diagnostics import LadderError, Location
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,21 +30,39 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         help='number the grid lines and rows, to find the cells that diagnostics name')
     parser.add_argument(
         '--values', metavar='FILE',
-        help='with --svg: colour the power flow; a message of ~/monitor, a JSON object of values '
-             'by variable, or a CSV table (its last row counts)')
+        help='with --svg or --html: colour the power flow; a message of ~/monitor, a JSON object '
+             'of values by variable, or a CSV table (its last row counts)')
     parser.add_argument(
         '-o', '--output', metavar='FILE', help='write the text to this file instead of standard '
         'output')
 
 
+def _check(args: argparse.Namespace) -> None:
+    """Refuse options that would have no effect."""
+    form = '--svg' if args.svg is not None else '--html' if args.html is not None else 'text'
+    parts = [name for name in ('pou', 'rung') if getattr(args, name) is not None]
+    clashes = (
+        (form == 'text' and args.values is not None, '--values', 'give --svg or --html, too'),
+        (form == '--html' and bool(parts), f'--{"".join(parts[:1])}',
+         'a report is of the whole program; --svg draws a part of it'),
+        (form != 'text' and args.output is not None, '-o', f'{form} names the file already'))
+    for clash, option, expected in clashes:
+        if clash:
+            raise LadderError.of(
+                'L0514', Location(), first=option, second=form, expected=expected)
+
+
 def _run(args: argparse.Namespace) -> Answer:
+    _check(args)
     program = find_program(args.program)
+    check_target(args.svg or args.html or args.output, program)
     if args.svg is not None:
         picture = showing.as_svg(
             program, args.pou, args.rung, grid=args.grid, values=args.values)
         return Answer(text=[picture], output=args.svg, is_data=True)
     if args.html is not None:
-        return Answer(text=[showing.as_html(program)], output=args.html, is_data=True)
+        page = showing.as_html(program, grid=args.grid, values=args.values)
+        return Answer(text=[page], output=args.html, is_data=True)
     to_terminal = args.output is None and not args.json
     ascii_only = args.ascii or (to_terminal and not shows_box_characters())
     drawing = showing.as_text(

@@ -46,7 +46,7 @@ def _accesses(node: Leaf | Pin, access_key: AccessKey) -> Iterable[tuple[str, bo
     """
     symbol = node.symbol
     if isinstance(node, Pin):
-        reads, writes = (pin_operand(node),), ()
+        reads, writes = (pin_operand(symbol, node.pin),), ()
     else:
         reads, writes = reads_and_writes(symbol)  # type: ignore[assignment]
     for operand in reads:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.il import Instruction
 from ladder_ros.compiler.symbols import Operand, Ref, Resolved
@@ -113,6 +113,11 @@ class Aov:
     arcs: tuple[Arc, ...]
     labels: tuple[str, ...] = ()
     """Names by which jumps know the rung."""
+    likeness: object = field(default=None, compare=False, repr=False)
+    """One object for all graphs that differ in names, and in kinds of contacts and coils, alone.
+
+    Those have no prelude and no jump.  None where that is unknown.
+    """
 
     def degrees(self) -> tuple[dict[int, int], dict[int, int]]:
         """Return in-degree and out-degree by vertex id."""

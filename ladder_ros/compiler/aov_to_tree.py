@@ -60,7 +60,16 @@ def reduce_to_tree(aov: Aov, access_key: AccessKey) -> Forest:
     may be the same variable), or is None for a literal.
     """
     forest = _Reducer(aov=aov).run(reduce=True)
-    return forest if _keeps_order(forest, aov, access_key) else sequence(aov)
+    return forest if _keeps_order(forest, access_key) else sequence(aov)
+
+
+def reduce_alike(aov: Aov) -> Forest | None:
+    """Return the trees of a graph if those of all graphs of its likeness have their form.
+
+    None where the trees depend on which variables the components read and write.
+    """
+    forest = _Reducer(aov=aov).run(reduce=True)
+    return forest if _is_natural(forest) else None
 
 
 def sequence(aov: Aov) -> Forest:
@@ -270,17 +279,29 @@ def _in_order(
                 open_joint(edge.target)
 
 
-def _keeps_order(forest: Forest, aov: Aov, access_key: AccessKey) -> bool:
+def _keeps_order(forest: Forest, access_key: AccessKey) -> bool:
     """Say whether every variable is read and written in the order that the graph gives."""
     order = [node for tree in forest.trees for node in leaves(tree)]
     if not _temporaries_are_set(order):
         return False
-    actual = [node for node in order if isinstance(node, (Leaf, Pin))]
-    natural = sorted(
-        actual, key=lambda node: node.symbol.id + (0.25 if isinstance(node, Pin) else 0.0))
+    actual, natural = _orders(order)
     if natural == actual:  # as nodes compare by identity, this is what most rungs come to
         return True
     return access_histories(natural, access_key) == access_histories(actual, access_key)
+
+
+def _is_natural(forest: Forest) -> bool:
+    """Say whether everything is evaluated in the very order that the graph gives."""
+    order = [node for tree in forest.trees for node in leaves(tree)]
+    actual, natural = _orders(order)
+    return natural == actual and _temporaries_are_set(order)
+
+
+def _orders(order: Iterable[Tree]) -> tuple[list[Leaf | Pin], list[Leaf | Pin]]:
+    """Return what is evaluated, in its order and in that of the graph."""
+    actual = [node for node in order if isinstance(node, (Leaf, Pin))]
+    return actual, sorted(
+        actual, key=lambda node: node.symbol.id + (0.25 if isinstance(node, Pin) else 0.0))
 
 
 def _temporaries_are_set(order: Iterable[Tree]) -> bool:

@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from ladder_ros.compiler.il import InstructionList, Op
+from ladder_ros.compiler.il import InstructionList
 from ladder_ros.compiler.inline_composites import LIMIT
 from ladder_ros.compiler.symbols import Ref
 from ladder_ros.diagnostics import Diagnostic, problem
@@ -71,9 +71,9 @@ def check_size(program: Program) -> tuple[Diagnostic, ...]:
 def _size(pou: Pou, sizes: Mapping[str, _Size], composites: Mapping[str, Composite]) -> _Size:
     components = instances = depth = 0
     for rung in pou.rungs:
+        components += len(rung.components)
         for component in rung.components:
-            components += 1
-            if isinstance(component, Instance):
+            if type(component) is Instance:
                 name = component.composite.casefold()
                 if name not in sizes:  # a program that is drawn as a block; reported later
                     continue
@@ -88,17 +88,20 @@ def check_coils(
     code: InstructionList, components: Sequence[ComponentEntry],
 ) -> tuple[Diagnostic, ...]:
     """Warn of variables that several coils write in every scan (L0212)."""
-    location = {entry.path: entry.location for entry in components}
     writers: dict[str, list[tuple[str, str]]] = defaultdict(list)
     for routine in code.routines:
-        for instruction in routine.instructions():
-            if instruction.op in (Op.ST, Op.STN, Op.STP, Op.STF) and instruction.component:
+        for network in routine.networks:
+            for instruction in network.coils:
                 assert isinstance(instruction.operand, Ref)
                 path = instruction.operand.path
                 if not path.startswith('%T'):
                     writers[path.casefold()].append((path, instruction.component))
+    several = [coils for coils in writers.values() if len(coils) > 1]
+    if not several:
+        return ()
+    location = {entry.path: entry.location for entry in components}
     return tuple(
         problem('L0212', location[coils[1][1]], name=coils[0][0],
                 related=tuple((location[path], f'coil {path}') for _, path in coils if
                               path != coils[1][1]))
-        for coils in writers.values() if len(coils) > 1)
+        for coils in several)

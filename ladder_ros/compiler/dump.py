@@ -5,20 +5,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 
 from ladder_ros.compiler.il import InstructionList
 from ladder_ros.compiler.il_text import print_il
-from ladder_ros.compiler.il_to_python import emit_python
-from ladder_ros.compiler.imported import is_imported
-from ladder_ros.compiler.lay_out import lay_out
-from ladder_ros.compiler.link import link_code, list_components
+from ladder_ros.compiler.il_to_python import print_python
+from ladder_ros.compiler.lay_out import lay_out, lay_out_variables
+from ladder_ros.compiler.link import link_code
+from ladder_ros.compiler.native import emit_native, layout_of
 from ladder_ros.compiler.pipeline import analyse, build_trees, completed, lower, Stages
 from ladder_ros.compiler.symbols import pou_key
-from ladder_ros.compiler.tree_to_drawing import draw_forest, Texts
 from ladder_ros.diagnostics import has_errors, LadderError
-from ladder_ros.model.component import InVariable
-from ladder_ros.model.program import Body, Pou, Program, Rung
+from ladder_ros.model.program import Body, Pou, Program
 
 
 def require_pou(program: Program, pou: str | None) -> None:
@@ -40,41 +37,6 @@ def dump_stage(program: Program, stage: str, pou: str | None = None) -> str:
     if has_errors(stages.diagnostics):
         raise LadderError(stages.diagnostics)
     return _DUMPS[stage](program, stages, pou)
-
-
-def with_drawings(program: Program) -> Program:
-    """Return an imported program with its drawings on our grid, as far as it compiles.
-
-    A program of our own format is returned as it is.
-    """
-    pous: list[Pou] = [*program.composites, *program.bodies]
-    if not any(is_imported(pou) for pou in pous):
-        return program
-    program = completed(program)
-    stages = analyse(program)
-    if has_errors(stages.diagnostics):
-        raise LadderError(stages.diagnostics)
-    orders = {pou_key(pou): rung.order for pou in pous for rung in pou.rungs}
-    texts = {pou_key(pou): _pin_texts(rung) for pou in pous for rung in pou.rungs}
-    drawn = {
-        key: tuple(replace(draw_forest(forest, texts[key]), order=orders[key])
-                   for forest in forests)
-        for key, forests in build_trees(program, stages, inline=True).items()}
-    return replace(
-        program,
-        composites=tuple(replace(c, rungs=drawn.get(pou_key(c), ())) for c in program.composites),
-        bodies=tuple(replace(b, rungs=drawn.get(pou_key(b), ())) for b in program.bodies))
-
-
-def _pin_texts(rung: Rung) -> Texts:
-    """Return what the variables that are wired to blocks say."""
-    written = {c.id: c.operand for c in rung.components if isinstance(c, InVariable)}
-    texts: dict[str, dict[str, str]] = {}
-    for wire in rung.wires or ():
-        if wire.source.component in written:
-            pins = texts.setdefault(wire.target.component, {})
-            pins[wire.target.pin] = written[wire.source.component]
-    return texts
 
 
 def _chosen(program: Program, pou: str | None) -> list[Pou]:
@@ -109,7 +71,7 @@ def _tree(program: Program, stages: Stages, pou: str | None) -> str:
 
 
 def _code(program: Program, stages: Stages, pou: str | None) -> InstructionList:
-    code = link_code(program, {**lower(build_trees(program, stages)), **stages.texts})
+    code = link_code(program, {**lower(build_trees(program, stages)), **stages.texts}).code
     if pou is None:
         return code
     names = {p.name.casefold() for p in _chosen(program, pou)}
@@ -124,15 +86,29 @@ def _il(program: Program, stages: Stages, pou: str | None) -> str:
 
 def _python(program: Program, stages: Stages, pou: str | None) -> str:
     code = _code(program, stages, pou)
-    slots = lay_out(program, stages.symbols, code)
-    components = list_components(program, code, stages.graphs, slots)
-    return emit_python(
-        code, {path: slot.index for path, slot in slots.items()},
-        {entry.path: entry.index for entry in components}).text
+    slots = lay_out(program, stages.symbols, code, lay_out_variables(program))
+    return print_python(code, {path: slot.index for path, slot in slots.items()})
+
+
+def _llvm(program: Program, stages: Stages, pou: str | None) -> str:
+    code = _code(program, stages, pou)
+    by_path = lay_out(program, stages.symbols, code, lay_out_variables(program))
+    index = {path: slot.index for path, slot in by_path.items()}
+    slots = tuple(dict.fromkeys(by_path.values()))
+    layout = layout_of(code, slots, index)
+    native = emit_native(code, index, layout)
+    places = sorted((offset, slot.path) for offset, slot in zip(
+        layout.offsets, slots, strict=True) if offset >= 0)
+    return '\n'.join((
+        '; %s: the state; %now: time in ns',
+        *(f';   {offset:6} {path}' for offset, path in places),
+        *(f'; run by Python: {reason}' for reason in native.why_not),
+        *(f'\n; module {number}\n{text}' for number, text in enumerate(native.modules)), ''))
 
 
 _DUMPS: Mapping[str, Callable[[Program, Stages, str | None], str]] = {
-    'wiring': _wiring, 'aov': _aov, 'tree': _tree, 'il': _il, 'python': _python}
+    'wiring': _wiring, 'aov': _aov, 'tree': _tree, 'il': _il, 'python': _python,
+    'llvm': _llvm}
 
 STAGES = tuple(_DUMPS)
 """The stages that can be printed, in the order of the pipeline."""

@@ -23,7 +23,7 @@ from array import array
 from collections.abc import Mapping, Sequence
 import ctypes
 
-from ladder_ros.compiler.il_to_llvm import Activity
+from ladder_ros.compiler.llvm_memory import Activity
 from ladder_ros.compiler.native_state import NativeLayout, SIZE
 
 _HEADER = 64
@@ -64,8 +64,9 @@ class EventTables:
             word_starts.append(len(words))
             timers.extend(sorted(layout.offsets[slot] for slot in chunk.timers))
             timer_starts.append(len(timers))
-        large = sum(8 for offset, type_ in zip(layout.offsets, layout.types, strict=True)
-                    if offset >= 0 and SIZE[type_] == 8)
+        large = max((offset + 8 for offset, type_ in zip(
+            layout.offsets, layout.types, strict=True) if offset >= 0 and SIZE[type_] == 8),
+            default=0)
         self._arrays = [
             word_starts, first, middle, end, rows, timer_starts, timers, words, shared]
         self._numbers = [self.count, self.size, self.bitmap, shadow, large]

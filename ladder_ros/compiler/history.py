@@ -64,6 +64,8 @@ class History:
         inner = self._inner.setdefault(key, {})
         for rung in pou.rungs:
             for component in rung.components:
+                if isinstance(component, (Contact, Coil)) and not component.was:
+                    continue  # as most are
                 if isinstance(component, Instance):
                     inner[component.instance.casefold()] = (
                         f'composite {component.composite.casefold()}')

@@ -41,7 +41,7 @@ network to the start of one, where both stacks are empty.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 from ladder_ros.compiler.symbols import Operand, Ref, Target
@@ -98,6 +98,7 @@ class Op(Enum):
 LOADS = frozenset({Op.LD, Op.LDN, Op.LDP, Op.LDF})
 EDGES = frozenset({Op.LDP, Op.LDF, Op.ANDP, Op.ANDF, Op.ORP, Op.ORF, Op.STP, Op.STF})
 STORES = frozenset({Op.ST, Op.STN, Op.S, Op.R, Op.STP, Op.STF})
+ALWAYS_WRITE = frozenset({Op.ST, Op.STN, Op.STP, Op.STF})
 CONTROL = frozenset({Op.IF, Op.ELSE, Op.FI, Op.LOOP, Op.BRK, Op.POOL, Op.RET, Op.JMP})
 BARE = CONTROL - {Op.JMP} | {
     Op.ANB, Op.ORB, Op.MPS, Op.MRD, Op.MPP, Op.LRD, Op.LPP, Op.DRP, Op.NOT}
@@ -145,6 +146,19 @@ class Network:
     code: tuple[Instruction, ...]
     comment: str = ''
     labels: tuple[str, ...] = ()
+    notable: tuple[Instruction, ...] = field(init=False, compare=False, repr=False)
+    """Those instructions that do more than look at or write a variable, which most do not."""
+    coils: tuple[Instruction, ...] = field(init=False, compare=False, repr=False)
+    """Those that write a variable whatever power is."""
+
+    def __post_init__(self) -> None:
+        """Find what is notable, and the coils."""
+        object.__setattr__(self, 'coils', tuple([
+            i for i in self.code if i.op in ALWAYS_WRITE and i.component]))
+        object.__setattr__(self, 'notable', tuple([
+            i for i in self.code if i.call is not None or i.memory is not None
+            or i.target is not None or i.label or (
+                type(i.operand) is Ref and '%' in i.operand.path)]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -159,6 +173,11 @@ class Routine:
         """Yield every instruction in order."""
         for network in self.networks:
             yield from network.code
+
+    def notable(self) -> Iterator[Instruction]:
+        """Yield every notable instruction in order."""
+        for network in self.networks:
+            yield from network.notable
 
     def labels(self) -> dict[str, int]:
         """Return the number of the network that each label names."""

@@ -14,9 +14,9 @@ takes the address of the state and the time, and returns how to go on: GO_ON, LE
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import pairwise
 
 from ladder_ros.blocks import FUNCTION_BLOCKS, RELEASE
@@ -29,81 +29,31 @@ from ladder_ros.compiler.il import (
     Network,
     Op,
     Routine,
+    STORES,
 )
 from ladder_ros.compiler.llvm_builder import Builder, IR_TYPE, Val, WORD
 from ladder_ros.compiler.llvm_functions import inline_function
+from ladder_ros.compiler.llvm_memory import (
+    Access,
+    Activity,
+    address,
+    Chunk,
+    FAILED,
+    GO_ON,
+    LEFT,
+    Memory,
+    parameters,
+    routine_symbol,
+)
 from ladder_ros.compiler.llvm_steps import inline_step, NotNativeError
-from ladder_ros.compiler.native_state import NativeLayout
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target
+from ladder_ros.diagnostics import InternalError
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.types import DataType, default_value
 
-GO_ON, LEFT, FAILED = 0, 1, 2
-"""What a function returns."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Memory:
-    """Where variables are: their slots by casefolded path, and these in memory.
-
-    ``forced`` slots are never written.
-    """
-
-    slots: Mapping[str, int]
-    layout: NativeLayout
-    forced: frozenset[int] = frozenset()
-
-    def slot(self, ref: Ref) -> int:
-        """Return a variable's slot.  Raises NotNativeError if it is not in native memory."""
-        index = self.slots[ref.path.casefold()]
-        if self.layout.offsets[index] < 0:
-            raise NotNativeError(f'{ref.path} is a STRING')
-        return index
-
-    def elements(self, element: Element) -> range:
-        """Return the slots of the elements that an index may choose."""
-        first = self.slot(element.first)
-        return range(first, first + element.count * element.stride, element.stride)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Activity:
-    """What code depends on and changes: slots, with those of the routines that it may call.
-
-    ``timers`` are slots that say whether a timer runs.  Where none does, all that the code does
-    follows from what it reads.
-    """
-
-    reads: frozenset[int] = frozenset()
-    writes: frozenset[int] = frozenset()
-    timers: frozenset[int] = frozenset()
-
-    def __or__(self, other: Activity) -> Activity:
-        return Activity(reads=self.reads | other.reads, writes=self.writes | other.writes,
-                        timers=self.timers | other.timers)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Chunk:
-    """A function of some networks: its text without a name, and the functions that it calls.
-
-    Only one that ``may_leave`` returns anything else than GO_ON.
-    """
-
-    body: str
-    needs: tuple[str, ...]
-    activity: Activity
-    may_leave: bool
-
-
-def parameters(lanes: int) -> str:
-    """Return the parameters of a function; ``mask`` says which lanes execute it."""
-    return 'ptr %s, i64 %now' if lanes == 1 else f'ptr %s, i64 %now, i{lanes} %mask'
-
-
-def routine_symbol(name: str) -> str:
-    """Return the symbol of the function of a composite's instance."""
-    return f'routine_{hashlib.sha256(name.encode()).hexdigest()[:24]}'
+_CONTACTS = {Op(join + mode): (join, mode) for join in ('LD', 'AND', 'OR') for mode in 'NPF'} | {
+    Op(join): (join, '') for join in ('LD', 'AND', 'OR')}
+"""The instructions of contacts: how each joins, and N, P or F."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -113,6 +63,11 @@ class ChunkEmitter:
     memory: Memory
     routines: Mapping[str, Activity]
     """What the routines do that are native, by instance."""
+    access: Access
+    inner: Mapping[str, Routine] = field(default_factory=dict)
+    """Routines that are put in the place of their calls, by instance."""
+    constants: Mapping[str, Val] = field(default_factory=dict)
+    """Temporaries that have a value from the beginning."""
     builder: Builder = field(default_factory=Builder)
     mask: Val | None = None
     """The lanes that execute it (a BOOL); None: all of them."""
@@ -125,13 +80,14 @@ class ChunkEmitter:
     called: Activity = field(default_factory=Activity)
     allocas: list[str] = field(default_factory=list)
     may_leave: bool = False
-    labels: int = 0
     stack: list[Val] = field(default_factory=list)
     saved: list[Val] = field(default_factory=list)
     temporaries: dict[str, Val] = field(default_factory=dict)
     boxes: dict[str, Val] | None = None
     """Where temporaries are in memory, in a network that branches."""
     opened: list[str] = field(default_factory=list)
+    masks: list[tuple[Val, Val]] = field(default_factory=list)
+    """Around each IF that is open the mask, and its condition, where lanes do not branch."""
 
     def add(self, network: Network) -> None:
         """Add a network.  Raises NotNativeError if some of it has no native form.
@@ -142,15 +98,16 @@ class ChunkEmitter:
         for index in self.old:
             self.known.pop(index, None)
         self.old = tuple(self.known)
-        self.stack, self.saved, self.temporaries, self.opened = [], [], {}, []
+        self.stack, self.saved, self.opened, self.masks = [], [], [], []
+        self.temporaries = dict(self.constants)
         branches = any(instruction.op in CONTROL for instruction in network.code)
-        self.boxes = {} if branches else None
+        self.boxes = {} if branches and self.builder.packed else None
         for instruction in network.code:
             self._instruction(instruction)
 
     def chunk(self) -> Chunk:
         """Return the function with all that was added."""
-        lines = [*self.allocas, *self.builder.lines, f'ret i8 {GO_ON}']
+        lines = [*self.allocas, *self.access.prelude(), *self.builder.lines, f'ret i8 {GO_ON}']
         return Chunk(
             body='\n'.join(lines), needs=tuple(self.builder.needs), activity=self.activity,
             may_leave=self.may_leave)
@@ -164,23 +121,11 @@ class ChunkEmitter:
 
     # memory
 
-    def _address(self, offset: int) -> str:
-        return self.builder.let(f'getelementptr i8, ptr %s, i64 {offset}', 'ptr').text
-
-    @property
-    def _align(self) -> str:
-        """How memory is aligned that is less so than LLVM takes for granted."""
-        return '' if self.builder.lanes == 1 else ', align 8'
-
     def _load(self, index: int) -> Val:
         found = self.known.get(index)
         if found is None:
             self.reads.add(index)
-            ir = IR_TYPE[self.memory.layout.types[index]]
-            place = self._address(self.memory.layout.offsets[index])
-            found = self.builder.let(
-                f'load {self.builder.type(ir)}, ptr {place}{self._align}', ir)
-            self.known[index] = found
+            found = self.known[index] = self.access.load(self.builder, index)
         return found
 
     def _store(self, index: int, value: Val) -> None:
@@ -189,17 +134,19 @@ class ChunkEmitter:
         if self.mask is not None:
             value = self.builder.select(self.mask, value, self._load(index))
         self.writes.add(index)
-        place = self._address(self.memory.layout.offsets[index])
-        self.builder.lines.append(
-            f'store {self.builder.type(value.ir)} {value.text}, ptr {place}{self._align}')
+        self.access.store(self.builder, index, value)
         self.known[index] = value
 
     def _count_error(self, wrong: Val) -> None:
         """Add one to the arithmetic errors where a BOOL is TRUE."""
+        if self.mask is not None:
+            wrong = self.builder.and_(wrong, self.mask)
         if wrong == self.builder.false:
             return
-        more = self.builder.widened(wrong, DataType.BOOL)
-        self._store(0, self.builder.op('add', self._load(0), more))
+        self.access.count(self.builder, wrong)
+        self.reads.add(0)
+        self.writes.add(0)
+        self.known.pop(0, None)
 
     def _read(self, operand: Operand) -> Val:
         if isinstance(operand, Literal):
@@ -221,6 +168,9 @@ class ChunkEmitter:
         elif not target.path.startswith('%T'):
             self._store(self.memory.slot(target), value)
         elif self.boxes is None:
+            before = self.temporaries.get(target.path)
+            if self.masks and self.mask is not None and before is not None:
+                value = self.builder.select(self.mask, value, before)
             self.temporaries[target.path] = value
         else:
             box = self._box(target)
@@ -256,7 +206,7 @@ class ChunkEmitter:
         inside = builder.word(
             builder.compare('ult', index, builder.number(element.count, 'i64')))
         safe = builder.select(inside, index, builder.number(0, 'i64'))
-        start = self._address(layout.offsets[slots[0]])
+        start = address(builder, '%s', layout.offsets[slots[0]])
         offset = builder.op('mul', safe, builder.number(steps.pop(), 'i64'))
         place = builder.let(f'getelementptr i8, ptr {start}, i64 {offset.text}', 'ptr').text
         return inside, Val('', IR_TYPE[element.type]), place
@@ -288,8 +238,8 @@ class ChunkEmitter:
     # instructions
 
     def _instruction(self, instruction: Instruction) -> None:
-        op, name, builder = instruction.op, instruction.op.value, self.builder
-        if name[:2] in ('LD', 'AN', 'OR') and instruction.operand is not None:
+        op, builder = instruction.op, self.builder
+        if op in _CONTACTS:
             self._contact(instruction)
         elif op is Op.ANB or op is Op.ORB:
             right = self.stack.pop()
@@ -313,23 +263,25 @@ class ChunkEmitter:
             self._control(op)
         elif instruction.call is not None:
             self._call(op, instruction.call)
-        else:
+        elif op in STORES:
             self._coil(instruction)
+        else:
+            raise InternalError('il_to_llvm', f'{op} is not known')
 
     def _contact(self, instruction: Instruction) -> None:
         assert instruction.operand is not None
-        name, builder = instruction.op.value, self.builder
+        builder, (join, mode) = self.builder, _CONTACTS[instruction.op]
         value = self._read(instruction.operand)
-        mode = name[3:] if name[:2] == 'AN' else name[2:]
         if mode == 'N':
             value = builder.not_(value)
         elif mode:
             value = self._edge(instruction.memory, value, mode)
-        if name[:2] == 'LD':
+        if join == 'LD':
             self.stack.append(value)
+        elif join == 'AND':
+            self.stack[-1] = builder.and_(self.stack[-1], value)
         else:
-            join = builder.and_ if name[:2] == 'AN' else builder.or_
-            self.stack[-1] = join(self.stack[-1], value)
+            self.stack[-1] = builder.or_(self.stack[-1], value)
 
     def _edge(self, memory: Ref | None, signal: Val, mode: str) -> Val:
         """Detect an edge, rising (P) or falling (F), as R_TRIG and F_TRIG do."""
@@ -359,8 +311,8 @@ class ChunkEmitter:
     # branches
 
     def _label(self) -> str:
-        self.labels += 1
-        return f'l{self.labels}'
+        self.builder.count += 1
+        return f'l{self.builder.count}'
 
     def _branch(self, condition: Val, yes: str, no: str) -> None:
         truth = self.builder.truth(condition)
@@ -374,6 +326,9 @@ class ChunkEmitter:
         self.known.clear()
 
     def _control(self, op: Op) -> None:
+        if not self.builder.packed:
+            self._choose(op)
+            return
         if self.builder.lanes > 1:
             raise NotNativeError(f'{op.value} with lanes')
         if op is Op.IF:
@@ -403,6 +358,29 @@ class ChunkEmitter:
             self.builder.lines += [f'{leave}:', f'ret i8 {LEFT}']
             self._start(after, comes_from_above=False)
             self.may_leave = True
+
+    def _choose(self, op: Op) -> None:
+        """Let each lane go its own way: all is executed, and writes where it should be."""
+        builder = self.builder
+        mask = builder.true if self.mask is None else self.mask
+        if op is Op.IF:
+            condition = self.stack.pop()
+            self.masks.append((mask, condition))
+            self.mask = builder.and_(mask, condition)
+        elif op is Op.ELSE:
+            around, condition = self.masks[-1]
+            self.mask = builder.and_(around, builder.not_(condition))
+        elif op is Op.FI:
+            self.mask = self.masks.pop()[0]
+        elif op is Op.RET:  # those that leave execute nothing from here on
+            stays = builder.not_(builder.and_(mask, self.stack.pop()))
+            self.mask = builder.and_(mask, stays)
+            self.masks = [(builder.and_(around, stays), condition)
+                          for around, condition in self.masks]
+        else:
+            raise NotNativeError(f'{op.value} in a group')
+        if self.mask == builder.true:
+            self.mask = None
 
     def _open_loop(self) -> None:
         rounds = self._reserve('i64')
@@ -436,14 +414,46 @@ class ChunkEmitter:
 
     def _routine(self, op: Op, call: Call) -> None:
         """Call a routine where there is power, or release it where it was executed before."""
-        if call.instance not in self.routines:
-            raise NotNativeError(f'{call.instance} has parts that only Python runs')
         builder, power = self.builder, self.stack[-1]
         flag = self.memory.slot(active_flag(call.instance))
         was_active = self._load(flag)
         self._store(flag, power)
-        symbol = routine_symbol(call.instance)
-        runs = power if self.mask is None else builder.and_(power, self.mask)
+        runs, ends = power, builder.and_(was_active, builder.not_(power))
+        if self.mask is not None:
+            runs, ends = builder.and_(runs, self.mask), builder.and_(ends, self.mask)
+        if call.instance in self.inner:
+            routine = self.inner[call.instance]
+            self._where(runs, lambda there: there.add_all(routine))
+            if op is Op.EXE:
+                self._where(ends, lambda there: there.release(routine))
+        else:
+            self._call_routine(call, runs)
+            if op is Op.EXE:
+                self._release(routine_symbol(call.instance), ends)
+
+    def add_all(self, routine: Routine) -> None:
+        """Add a routine's networks."""
+        for network in routine.networks:
+            self.add(network)
+
+    def _where(self, condition: Val, fill: Callable[[ChunkEmitter], None]) -> None:
+        """Add code that is executed only in those lanes in which a condition holds."""
+        is_everywhere = condition == self.builder.true
+        there = replace(self, mask=None if is_everywhere else condition)
+        if is_everywhere:
+            fill(there)
+        elif condition != self.builder.false:
+            inside, after = self._label(), self._label()
+            self._branch_any(condition, inside, after)
+            self._start(inside, comes_from_above=False)
+            fill(there)
+            self._start(after)
+
+    def _call_routine(self, call: Call, runs: Val) -> None:
+        """Call the function of a routine where a condition holds."""
+        if call.instance not in self.routines:
+            raise NotNativeError(f'{call.instance} has parts that only Python runs')
+        builder, symbol = self.builder, routine_symbol(call.instance)
         builder.needs[f'declare i8 @{symbol}({parameters(builder.lanes)})'] = None
         inside, after = self._label(), self._label()
         self._branch_any(runs, inside, after)
@@ -457,9 +467,6 @@ class ChunkEmitter:
                               f'{failed}:', f'ret i8 {FAILED}', f'{fine}:']
             self.may_leave = True
         self._start(after)
-        if op is Op.EXE:
-            ends = builder.and_(was_active, builder.not_(power))
-            self._release(symbol, ends if self.mask is None else builder.and_(ends, self.mask))
         self.called |= self.routines[call.instance]
 
     def _release(self, symbol: str, ends: Val) -> None:
@@ -477,12 +484,16 @@ class ChunkEmitter:
         for instruction in routine.instructions():
             call = instruction.call
             if call is not None and instruction.op is Op.EXE:
-                if call.instance not in self.routines:
-                    raise NotNativeError(f'{call.instance} has parts that only Python runs')
                 ends = self._read(active_flag(call.instance))
                 if self.mask is not None:
                     ends = self.builder.and_(ends, self.mask)
-                self._release(routine_symbol(call.instance), ends)
+                if call.instance in self.inner:
+                    inside = self.inner[call.instance]
+                    self._where(ends, partial(ChunkEmitter.release, routine=inside))
+                elif call.instance not in self.routines:
+                    raise NotNativeError(f'{call.instance} has parts that only Python runs')
+                else:
+                    self._release(routine_symbol(call.instance), ends)
             elif call is not None and instruction.op is Op.CAL and call.name in RELEASE:
                 fields = self._fields(call, CATALOGUE[call.name])
                 before = [self._load(index) for index in fields]
@@ -497,8 +508,7 @@ class ChunkEmitter:
 
     def _branch_any(self, condition: Val, yes: str, no: str) -> None:
         """Branch if a condition holds in any lane."""
-        kind = self.builder.type(WORD)
-        any_ = self.builder.let(f'icmp ne {kind} {condition.text}, 0', 'i1')
+        any_ = self.builder.any(condition)
         self.builder.lines.append(f'br i1 {any_.text}, label %{yes}, label %{no}')
 
     def _fields(self, call: Call, kind: BlockKind) -> list[int]:
@@ -578,17 +588,3 @@ class ChunkEmitter:
             else:
                 self._assign(target, out, power)
         self.stack.append(fine if kind.power_output == 'ENO' else builder.and_(power, out))
-
-
-def emit_release(
-    routine: Routine, memory: Memory, routines: Mapping[str, Activity], lanes: int = 1,
-) -> tuple[str, Activity]:
-    """Return the function that releases a routine's timers, and those of routines inside it."""
-    mask = Val('%mask', WORD) if lanes > 1 else None
-    emitter = ChunkEmitter(
-        memory=memory, routines=routines, builder=Builder(lanes=lanes), mask=mask)
-    emitter.release(routine)
-    given = 'ptr %s' if lanes == 1 else f'ptr %s, i{lanes} %mask'
-    body = '\n'.join(emitter.builder.lines)
-    symbol = routine_symbol(routine.name)
-    return f'define void @{symbol}_release({given}) {{\n{body}\nret void\n}}', emitter.activity

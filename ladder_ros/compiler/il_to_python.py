@@ -10,7 +10,7 @@ is put into a local variable before something it reads is written, and when it i
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 import math
 
@@ -27,76 +27,107 @@ from ladder_ros.compiler.il import (
     Op,
     Routine,
 )
+from ladder_ros.compiler.python_code import (
+    compile_piece,
+    cut,
+    link_pieces,
+    linkable,
+    linkable_end,
+    Piece,
+    Pieces,
+    taken_over,
+)
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
 from ladder_ros.executable import Scan
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.types import default_value, Value
 
-_NETWORKS_PER_FUNCTION = 100
+_CONTACTS = {Op(base + mode): (base, mode)
+             for base in ('LD', 'AND', 'OR') for mode in ('', 'N', 'P', 'F')}
+"""How each contact acts, and on what of its variable."""
 _LONGEST_EXPRESSION = 1000
 _DEEPEST_EXPRESSION = 12
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PythonSource:
-    """Generated source.
-
-    ``names`` are the constants that it needs; ``entries`` gives each body's function.
-    """
-
-    text: str
-    names: Mapping[str, object]
-    entries: Mapping[str, str]
+def print_python(code: InstructionList, slots: Mapping[str, int]) -> str:
+    """Return the program as Python source that people read."""
+    program = _Program(slots=slots)
+    lines = ['# s: the state, a value a slot; now: time in ns; p: power flow']
+    lines += [f'#   s[{index}] {path}' for path, index in slots.items()]
+    program.functions(code)
+    return '\n'.join([*lines, *(f'\n\n{text}' for text in program.texts)]) + '\n'
 
 
 def emit_python(
     code: InstructionList, slots: Mapping[str, int], components: Mapping[str, int], *,
-    observed: bool = False, forced: frozenset[int] = frozenset(),
-) -> PythonSource:
-    """Return the program as Python source.
+    observed: bool = False, forced: frozenset[int] = frozenset(), earlier: Pieces | None = None,
+) -> tuple[dict[str, Scan], Pieces]:
+    """Return a scan function for each body, and the functions that they consist of.
 
     ``slots`` and ``components`` give indices by casefolded variable path and by component path;
     ``observed`` code fills in the power that leaves each component; ``forced`` slots are never
-    written.
+    written.  ``earlier`` are the functions of a plain program that shares networks with this one.
     """
-    emitter = _Program(slots=slots, components=components, observed=observed, forced=forced)
-    return emitter.emit(code)
-
-
-def load_python(source: PythonSource, file: str) -> dict[str, Scan]:
-    """Compile the source and return a scan function for each body."""
-    names: dict[str, object] = {'__builtins__': {}, **source.names}
-    exec(compile(source.text, file, 'exec'), names)
-    functions: dict[str, Scan] = {}
-    for body, function in source.entries.items():
-        functions[body] = names[function]  # type: ignore[assignment]
-    return functions
+    program = _Program(
+        slots=slots, components=components, observed=observed, forced=forced, is_linkable=True,
+        earlier=taken_over(earlier, slots) if earlier is not None else {})
+    entries = program.functions(code)
+    return link_pieces(program.pieces.values(), entries), Pieces(
+        made=program.pieces, slots=slots)
 
 
 @dataclass(slots=True, kw_only=True)
 class _Program:
-    """Emits functions; shared by all of them are constants and routine names."""
+    """Emits functions: texts, or pieces of code that are to be linked.
+
+    ``names`` and ``calls`` are the constants and the routines of the function being emitted.
+    """
 
     slots: Mapping[str, int]
-    components: Mapping[str, int]
-    observed: bool
-    forced: frozenset[int]
+    components: Mapping[str, int] = field(default_factory=dict)
+    observed: bool = False
+    forced: frozenset[int] = frozenset()
+    is_linkable: bool = False
+    earlier: Mapping[str, Piece] = field(default_factory=dict)
     names: dict[str, object] = field(default_factory=dict)
+    calls: dict[str, str] = field(default_factory=dict)
     routine_names: dict[tuple[bool, str], str] = field(default_factory=dict)
-    lines: list[str] = field(default_factory=list)
+    texts: list[str] = field(default_factory=list)
+    pieces: dict[str, Piece] = field(default_factory=dict)
 
-    def emit(self, code: InstructionList) -> PythonSource:
+    def functions(self, code: InstructionList) -> dict[str, str]:
+        """Emit all; return the name of each body's function."""
         for number, routine in enumerate(code.routines):
             self.routine_names[routine.is_body, routine.name] = f'r{number}'
-        self._legend()
         for routine in code.routines:
             self._routine(routine)
-        entries = {r.name: self.routine_names[True, r.name] for r in code.routines if r.is_body}
-        return PythonSource(text='\n'.join(self.lines) + '\n', names=self.names, entries=entries)
+        return {r.name: self.routine_names[True, r.name] for r in code.routines if r.is_body}
 
-    def _legend(self) -> None:
-        self.lines.append('# s: the state, a value a slot; now: time in ns; p: power flow')
-        self.lines += [f'#   s[{index}] {path}' for path, index in self.slots.items()]
+    def _function(
+        self, name: str, lines: Sequence[str], networks: tuple[Network, ...] = (),
+    ) -> None:
+        """Finish a function."""
+        text = '\n'.join(lines)
+        if self.is_linkable:
+            self.pieces[name] = compile_piece(name, text, self.names, self.calls, networks)
+        else:
+            self.texts.append(text)
+        self.names, self.calls = {}, {}
+
+    def routine(self, instance: str) -> str:
+        """Return the function of an instance's routine, which the present function calls."""
+        name = self.calls[instance] = self.routine_names[False, instance]
+        return name
+
+    def slot(self, index: int) -> str:
+        """Return a slot's number as it stands in the code."""
+        return linkable(index) if self.is_linkable else str(index)
+
+    def state(self, first: int, last: int) -> str:
+        """Return the expression for slots ``first`` to before ``last``."""
+        if self.is_linkable:
+            return f's[{linkable(first)}:{linkable_end(last)}]'
+        return f's[{first}:{last}]'
 
     def index(self, ref: Ref) -> int:
         """Return the slot of a variable."""
@@ -115,40 +146,52 @@ class _Program:
 
     def _routine(self, routine: Routine) -> None:
         name = self.routine_names[routine.is_body, routine.name]
-        parts = _parts(routine)
+        parts = cut(routine)
         jumps = {label: number for number, part in enumerate(parts)
                  for label in part[0].labels}
         for number, part in enumerate(parts):
-            self.lines += ['', '', f'def {name}_{number}(s, now, p):']
-            for network in part:
-                self.lines.append(f'    # {routine.name} rung {network.rung}'
-                                  + (f': {_plain(network.comment)}' if network.comment else ''))
-                emitter = _Emitter(program=self, jumps=jumps, end=len(parts))
-                self.lines += [f'    {line}' for line in emitter.emit(network)]
-            self.lines.append('    return')
-        if jumps:
-            functions = ', '.join(f'{name}_{number}' for number in range(len(parts)))
-            self.lines += ['', '', f'{name}_parts = ({functions},)']
-        self.lines += ['', '', f'def {name}(s, now, p):']
+            self._part(f'{name}_{number}', routine.name, part, jumps, len(parts))
+        lines = [f'def {name}(s, now, p):']
         if self.observed and routine.is_body:
-            self.lines.append(f'    p[:] = [False] * {len(self.components)}')
+            lines.append(f'    p[:] = [False] * {len(self.components)}')
         if jumps:
-            self._dispatch(name, len(parts))
+            lines += self._dispatch(name, len(parts))
         else:
-            self.lines += [f'    if {name}_{number}(s, now, p):\n        return'
-                           for number in range(len(parts))]
-        self.lines.append('    return')
+            lines += [f'    if {name}_{number}(s, now, p):\n        return'
+                      for number in range(len(parts))]
+        self._function(name, [*lines, '    return'])
         if not routine.is_body:
-            self.lines += ['', '', f'def {name}_release(s):']
-            self.lines += [f'    {line}' for line in self._release(routine)]
+            self._function(f'{name}_release', [
+                f'def {name}_release(s):', *(f'    {line}' for line in self._release(routine))])
 
-    def _dispatch(self, name: str, parts: int) -> None:
+    def _part(
+        self, name: str, routine: str, networks: Sequence[Network], jumps: Mapping[str, int],
+        end: int,
+    ) -> None:
+        """Emit a part of a routine, or take it over."""
+        known = self.earlier.get(name)
+        if known is not None and known.is_of(networks) and all(
+                self.routine_names.get((False, i)) == f for i, f in known.calls.items()):
+            self.pieces[name] = known
+            return
+        lines = [f'def {name}(s, now, p):']
+        for network in networks:
+            if not self.is_linkable:
+                lines.append(f'    # {routine} rung {network.rung}'
+                             + (f': {_plain(network.comment)}' if network.comment else ''))
+            emitter = _Emitter(program=self, jumps=jumps, end=end)
+            lines += [f'    {line}' for line in emitter.emit(network)]
+        self._function(name, [*lines, '    return'], tuple(networks))
+
+    def _dispatch(self, name: str, parts: int) -> list[str]:
         """Call the parts of a routine with jumps: each says which one follows, if not the next."""
         error = self.name('LoopError', LoopError)
-        self.lines += [f'    {line}' for line in (
+        functions = ', '.join(f'{name}_{number}' for number in range(parts))
+        return [f'    {line}' for line in (
+            f'parts = ({functions},)',
             'at = rounds = 0',
             f'while at < {parts}:',
-            f'    to = {name}_parts[at](s, now, p)',
+            '    to = parts[at](s, now, p)',
             '    if to is None: to = at + 1',
             '    rounds += to <= at',
             f"    if rounds > {LOOP_LIMIT}: raise {error}('jumps back do not end')",
@@ -160,15 +203,15 @@ class _Program:
             call = instruction.call
             if call is not None and instruction.op is Op.EXE:
                 flag = self.index(active_flag(call.instance))
-                inner = self.routine_names[False, call.instance]
-                yield f'if s[{flag}]:'
+                inner = self.routine(call.instance)
+                yield f'if s[{self.slot(flag)}]:'
                 yield f'    {inner}_release(s)'
             elif call is not None and call.name in RELEASE and instruction.op is Op.CAL:
                 first, last = self.fields(call)
                 function = self.name(f'release_{call.name}', RELEASE[call.name])
                 yield from self.assign_fields(
-                    call, f'{function}(*s[{first}:{last}])', lambda: 'h')
-        yield f's[{self.index(active_flag(routine.name))}] = False'
+                    call, f'{function}(*{self.state(first, last)})', lambda: 'h')
+        yield f's[{self.slot(self.index(active_flag(routine.name)))}] = False'
 
     def fields(self, call: Call) -> tuple[int, int]:
         """Return the range of slots that a block instance's state fills."""
@@ -184,20 +227,10 @@ class _Program:
         held = [(index, fresh() + str(index)) for index in range(first, last)
                 if index in self.forced]
         for index, local in held:
-            yield f'{local} = s[{index}]'
-        yield f's[{first}:{last}] = {expression}'
+            yield f'{local} = s[{self.slot(index)}]'
+        yield f'{self.state(first, last)} = {expression}'
         for index, local in held:
-            yield f's[{index}] = {local}'
-
-
-def _parts(routine: Routine) -> list[list[Network]]:
-    """Cut a routine into functions: at labels, and where one would grow too long."""
-    parts: list[list[Network]] = []
-    for network in routine.networks:
-        if not parts or network.labels or len(parts[-1]) == _NETWORKS_PER_FUNCTION:
-            parts.append([])
-        parts[-1].append(network)
-    return parts
+            yield f's[{self.slot(index)}] = {local}'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -282,7 +315,10 @@ class _Emitter:
         if operand.path.startswith('%T'):
             return _Value(text=operand.path.replace('%', ''))
         index = self.program.index(operand)
-        return _Value(text=f's[{index}]', reads=frozenset({index}))
+        return self._slot_value(index)
+
+    def _slot_value(self, index: int) -> _Value:
+        return _Value(text=f's[{self.program.slot(index)}]', reads=frozenset({index}))
 
     def _combine(self, left: _Value, right: _Value, kind: str) -> _Value:
         (a, depth_a), (b, depth_b) = left.inside(kind), right.inside(kind)
@@ -305,7 +341,7 @@ class _Emitter:
             return
         index = self.program.index(ref)
         if index not in self.program.forced:
-            self.put(f's[{index}] = {text}')
+            self.put(f's[{self.program.slot(index)}] = {text}')
 
     def _element_place(self, element: Element) -> tuple[str, str]:
         """Return the condition that an element is in its array, and its place in the state."""
@@ -313,7 +349,7 @@ class _Emitter:
         self.put(f'{index} = {self._read(element.index).text}')
         first = self.program.index(element.first)
         return (f'0 <= {index} < {element.count}',
-                f's[{first} + {index} * {element.stride}]')
+                f's[{self.program.slot(first)} + {index} * {element.stride}]')
 
     def _read_element(self, element: Element) -> _Value:
         inside, place = self._element_place(element)
@@ -329,11 +365,11 @@ class _Emitter:
         slots = range(first, first + element.count * element.stride, element.stride)
         held = [index for index in slots if index in self.program.forced]
         for index in held:
-            self.put(f'f{index} = s[{index}]')
+            self.put(f'f{index} = s[{self.program.slot(index)}]')
         self.put(f'if {inside}: {place} = {text}')
         self.put('else: s[0] += 1')
         for index in held:
-            self.put(f's[{index}] = f{index}')
+            self.put(f's[{self.program.slot(index)}] = f{index}')
 
     def _slots(self, target: Operand) -> frozenset[int]:
         """Return the slots that writing the target may change."""
@@ -389,8 +425,7 @@ class _Emitter:
 
     def _instruction(self, instruction: Instruction, is_last: bool) -> None:
         op = instruction.op
-        name = op.value
-        if name[:2] in ('LD', 'AN', 'OR') and instruction.operand is not None:
+        if op in _CONTACTS:
             self._contact(instruction)
         elif op is Op.ANB or op is Op.ORB:
             right = self.stack.pop()
@@ -421,18 +456,16 @@ class _Emitter:
     def _contact(self, instruction: Instruction) -> None:
         assert instruction.operand is not None
         value = self._read(instruction.operand)
-        mode = instruction.op.value[2:] if instruction.op.value[:2] != 'AN' else (
-            instruction.op.value[3:])
+        base, mode = _CONTACTS[instruction.op]
         if mode == 'N':
             value = _Value(text=f'not {value.text}', reads=value.reads)
         elif mode in ('P', 'F'):
             value = self._edge(instruction, value.text, mode)
-        base = instruction.op.value[:2]
         if base == 'LD':
             self.stack.append(value)
         else:
             self.stack[-1] = self._combine(
-                self.stack[-1], value, 'and' if base == 'AN' else 'or')
+                self.stack[-1], value, 'and' if base == 'AND' else 'or')
 
     def _edge(self, instruction: Instruction, now: str, mode: str) -> _Value:
         """Detect an edge at once: it must be seen in every scan, whatever power does.
@@ -484,8 +517,8 @@ class _Emitter:
     def _routine_call(self, op: Op, call: Call) -> None:
         power = self._settle().text
         self._save_readers(None)
-        flag = self.program.index(active_flag(call.instance))
-        routine = self.program.routine_names[False, call.instance]
+        flag = self.program.slot(self.program.index(active_flag(call.instance)))
+        routine = self.program.routine(call.instance)
         if op is Op.RUN:
             self.put(f's[{flag}] = {power}')
             self.put(f'if {power}: {routine}(s, now, p)')
@@ -508,17 +541,18 @@ class _Emitter:
             self.put(f'if {enabled}:')
             self.indent += '    '
         for line in self.program.assign_fields(
-            call, f'{function}(now, {arguments}, *s[{first}:{last}])', self._fresh,
+            call, f'{function}(now, {arguments}, *{self.program.state(first, last)})', self._fresh,
         ):
             self.put(line)
         for pin, target in call.outputs:
-            self._write(target, f's[{self._field(call, pin)}]')
+            self._write(target, self._slot_value(self._field(call, pin)).text)
         if enabled != 'True':
             self.indent = self.indent[4:]
             if kind.output('ENO') is not None:
-                self.put(f"else: s[{self._field(call, 'ENO')}] = False")
+                eno = self._slot_value(self._field(call, 'ENO')).text
+                self.put(f'else: {eno} = False')
         output = self._field(call, kind.power_output)
-        self.stack.append(_Value(text=f's[{output}]', reads=frozenset({output})))
+        self.stack.append(self._slot_value(output))
 
     def _field(self, call: Call, pin: str) -> int:
         return self.program.slots[f'{call.instance}.{pin}'.casefold()]

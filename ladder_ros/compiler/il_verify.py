@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Container
+from functools import lru_cache
 
 from ladder_ros.compiler.il import (
     BARE,
@@ -18,7 +19,7 @@ from ladder_ros.compiler.il import (
 )
 from ladder_ros.compiler.symbols import Literal, Operand, Ref
 from ladder_ros.diagnostics import InternalError, Location
-from ladder_ros.model.types import DataType
+from ladder_ros.model.types import DataType, default_value
 
 _NEEDS = {
     Op.ANB: 2, Op.ORB: 2, Op.LRD: 0, Op.LPP: 0, Op.MOV: 0, Op.ELSE: 0, Op.FI: 0, Op.LOOP: 0,
@@ -32,14 +33,46 @@ _MEMORY_NEEDS = frozenset({Op.MRD, Op.MPP, Op.LRD, Op.LPP})
 _MEMORY_CHANGE = {Op.MPS: 1, Op.MPP: -1, Op.LPP: -1}
 
 
-def verify_il(program: InstructionList) -> None:
-    """Raise InternalError if the program breaks a rule of the machine."""
+def verify_il(program: InstructionList, sound: InstructionList | None = None) -> None:
+    """Raise InternalError if the program breaks a rule of the machine.
+
+    Networks without labels that are part of another program, which is ``sound``, are passed over.
+    """
+    known = set() if sound is None else {
+        id(network) for routine in sound.routines for network in routine.networks}
     for routine in program.routines:
         labels = routine.labels()
         if sum(len(network.labels) for network in routine.networks) != len(labels):
             raise InternalError('il', 'a label names two networks', Location(pou=routine.name))
         for network in routine.networks:
-            _verify_network(routine.name, network, labels)
+            if id(network) in known and not labels:
+                continue
+            if network.notable or not _is_sound(tuple([_form(i) for i in network.code])):
+                _verify_network(routine.name, network, labels)
+
+
+_Form = tuple[Op, 'DataType | None', bool]
+"""What decides whether a plain instruction is sound: operator, type, whether it is a literal."""
+
+
+def _form(instruction: Instruction) -> _Form:
+    operand = instruction.operand
+    if operand is None:
+        return instruction.op, None, False
+    return instruction.op, operand.type, type(operand) is Literal
+
+
+@lru_cache(1024)
+def _is_sound(forms: tuple[_Form, ...]) -> bool:
+    """Say whether code is sound; there is little code of other forms than others have."""
+    code = tuple(Instruction(op=op, operand=(
+        None if type_ is None else Literal(value=default_value(type_), type=type_) if is_literal
+        else Ref(path='x', type=type_))) for op, type_, is_literal in forms)
+    try:
+        _verify_network('', Network(rung='', code=code), ())
+    except InternalError:
+        return False
+    return True
 
 
 def _verify_network(routine: str, network: Network, labels: Container[str]) -> None:

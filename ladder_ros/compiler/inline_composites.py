@@ -19,7 +19,7 @@ from ladder_ros.compiler.wiring import Rail
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.component import Instance
 
-LIMIT = 200_000
+LIMIT = 1_000_000
 """Most components that a program may have when its composites are put in."""
 
 
@@ -151,7 +151,17 @@ class _Expander:
             self.aov,
             symbols=tuple(replace(s, id=number[s.id]) for s in self.symbols),
             virtuals=tuple(replace(v, id=number[v.id]) for v in kept),
-            arcs=tuple(arcs))
+            arcs=tuple(arcs), likeness=self._likeness())
+
+    def _likeness(self) -> object:
+        """Return what is the same for graphs that are alike, into which alike graphs are put."""
+        found: list[object] = [self.aov.likeness]
+        for symbol in self.aov.symbols:
+            if _is_inline(symbol, self.bodies):
+                assert isinstance(symbol.component, Instance)
+                bodies = self.bodies[symbol.component.composite.casefold()]
+                found += [symbol.id, len(bodies), *(body.likeness for body in bodies)]
+        return None if None in found else tuple(found)
 
 
 def _renamed(

@@ -4,16 +4,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 import hashlib
 
 from ladder_ros.compiler.il import active_flag, InstructionList
 from ladder_ros.diagnostics import Diagnostic, LadderError, problem
 from ladder_ros.executable import RoutineEntry, RungEntry, Slot, TaskEntry
+from ladder_ros.model.component import (
+    Argument,
+    Block,
+    Coil,
+    Column,
+    Component,
+    Contact,
+    Instance,
+    Row,
+)
 from ladder_ros.model.program import Pou, Program, Rung
 from ladder_ros.model.types import DataType
-from ladder_ros.source.model_to_xml import rung_text
 
 
 def list_tasks(program: Program, slots: Mapping[str, Slot]) -> tuple[TaskEntry, ...]:
@@ -52,8 +61,36 @@ def list_rungs(program: Program) -> tuple[RungEntry, ...]:
 
 
 def _text(rung: Rung) -> str:
-    """Return a text that is another one where the drawing is another one."""
-    return rung_text(rung) if rung.wires is None else repr((rung.components, rung.wires))
+    """Return a text that is another one where the drawing or a comment is another one.
+
+    It is made in every compilation, so it takes no detour by a file's form.
+    """
+    return repr((rung.id, rung.width, rung.comment, rung.wires, rung.order, [
+        _drawn(component) for component in rung.components]))
+
+
+def _drawn(component: Component) -> tuple[object, ...]:
+    """Return all of a component but its location, and where its state was in earlier programs."""
+    place = component.placement
+    found: tuple[object, ...] = (
+        type(component).__name__, component.id, place.x, place.y, place.width, place.height,
+        place.up._value_, place.down._value_, component.name, component.comment,
+        component.specification)
+    if isinstance(component, (Contact, Coil)):
+        return (*found, component.operand, component.kind._value_)
+    if isinstance(component, (Row, Column)):
+        return found
+    if isinstance(component, Block):
+        return (*found, component.type, component.instance, _settings(component.inputs),
+                _settings(component.outputs), component.modifiers, component.statements)
+    if isinstance(component, Instance):
+        return (*found, component.composite, component.instance,
+                _settings(component.arguments), component.modifiers)
+    return (*found, component)
+
+
+def _settings(arguments: Sequence[Argument]) -> list[object]:
+    return [(one.pin, one.operand, one.source, one.row) for one in arguments]
 
 
 def list_routines(code: InstructionList, slots: Mapping[str, int]) -> tuple[RoutineEntry, ...]:
@@ -61,7 +98,7 @@ def list_routines(code: InstructionList, slots: Mapping[str, int]) -> tuple[Rout
     body_of = {(True, routine.name): routine.name for routine in code.routines if routine.is_body}
     for routine in code.routines:  # a routine stands before those that it executes
         body = body_of.get((routine.is_body, routine.name), '')
-        for instruction in routine.instructions():
+        for instruction in routine.notable():
             call = instruction.call
             if call is not None and active_flag(call.instance).path.casefold() in slots:
                 body_of[False, call.instance] = body

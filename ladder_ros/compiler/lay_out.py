@@ -32,22 +32,49 @@ _CLASS = {
 }
 
 
-def lay_out(program: Program, symbols: Symbols, code: InstructionList) -> Mapping[str, Slot]:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VariableSlots:
+    """The slots of a program's variables, which come first, by casefolded path.
+
+    ``located`` are the paths of the variables at each address, ``count`` is the number of slots.
+    """
+
+    variables: tuple[Variable, ...]
+    slots: Mapping[str, Slot]
+    located: Mapping[str, Sequence[str]]
+    count: int
+
+
+def lay_out_variables(program: Program, earlier: VariableSlots | None = None) -> VariableSlots:
+    """Return the slots of the program's variables; ``earlier`` are those of another program."""
+    if earlier is not None and earlier.variables == program.variables:
+        return earlier
+    layout = _Layout()
+    layout.add(ARITHMETIC_ERRORS, DataType.LINT, SlotClass.SYSTEM, 0)
+    for variable in program.variables:
+        layout.add_variable('', variable, _io_class(variable))
+    return VariableSlots(variables=program.variables, slots=layout.slots, located=layout.located,
+                         count=layout.count)
+
+
+def lay_out(
+    program: Program, symbols: Symbols, code: InstructionList, variables: VariableSlots,
+) -> Mapping[str, Slot]:
     """Return the slots of the program's state by casefolded path, in the order of their indices.
 
     Variables come first, then blocks and memories as used.  Variables of one type at one address
     are one slot, named after the first, with the initial value of the last (as compilers of other
     people initialise each in turn).
     """
-    layout = _Layout(symbols=symbols, keeps_inputs=program.dialect != 'native')
-    layout.add(ARITHMETIC_ERRORS, DataType.LINT, SlotClass.SYSTEM, 0)
-    for variable in program.variables:
-        layout.add_variable('', variable, _io_class(variable))
+    layout = _Layout(
+        scopes=symbols.scopes, keeps_inputs=program.dialect != 'native',
+        slots=dict(variables.slots), count=variables.count,
+        located={address: list(paths) for address, paths in variables.located.items()})
     if program.bodies:
         layout.add_scope('', symbols.scopes[pou_key(program.bodies[0])])
     composites = {composite.name.casefold(): composite for composite in program.composites}
     for routine in code.routines:
-        for instruction in routine.instructions():
+        for instruction in routine.notable():
             layout.add_instruction(instruction)
             call = instruction.call
             if instruction.op is Op.RUN and call is not None:
@@ -72,8 +99,8 @@ def _located_class(variable: Variable) -> SlotClass:
 
 @dataclass(slots=True, kw_only=True)
 class _Layout:
-    symbols: Symbols
-    keeps_inputs: bool
+    scopes: Mapping[str, Scope] = field(default_factory=dict)
+    keeps_inputs: bool = False
     """Whether the inputs of blocks are variables too (imported programs)."""
     slots: dict[str, Slot] = field(default_factory=dict)
     instances: set[str] = field(default_factory=set)
@@ -141,7 +168,7 @@ class _Layout:
             self.add(active_flag(prefix[:-1]).path, DataType.BOOL, SlotClass.SYSTEM, False)
         for variable in _kept(composite):
             self.add_variable(prefix, variable, _instance_class(composite, variable))
-        self.add_scope(prefix, self.symbols.scopes[pou_key(composite)])
+        self.add_scope(prefix, self.scopes[pou_key(composite)])
 
     def add_block(self, instance: str, kind: BlockKind) -> None:
         """Add the state of a function block instance."""

@@ -41,24 +41,49 @@ Code = Mapping[str, Sequence[Network]]
 """The networks of each POU, by its key."""
 
 
-def link_code(program: Program, code: Code) -> InstructionList:
-    """Return the program's instruction list: bodies first, then the routines they execute."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Linked:
+    """A program's code, and where each routine's came from; ``made`` is by kind and name."""
+
+    code: InstructionList
+    made: Mapping[tuple[bool, str], tuple[_Frame, Sequence[Network], Routine]]
+
+
+def link_code(program: Program, code: Code, earlier: Linked | None = None) -> Linked:
+    """Return the program's instruction list: bodies first, then the routines they execute.
+
+    Networks of ``earlier`` that would be made again are taken over.
+    """
     composites = {c.name.casefold(): c for c in program.composites}
     routines: list[Routine] = []
+    made: dict[tuple[bool, str], tuple[_Frame, Sequence[Network], Routine]] = {}
     for body in program.bodies:
-        pending = [_Pending(name=body.name, key=pou_key(body), path=body.name)]
+        pending = [_Frame(name=body.name, key=pou_key(body), path=body.name)]
         while pending:
             frame = pending.pop()
-            networks = tuple(_place(network, frame) for network in code[frame.key])
-            routine = Routine(
-                name=frame.name, networks=networks, is_body=frame.key.startswith('body '))
+            is_body = frame.key.startswith('body ')
+            known = _known(frame, earlier.made.get((is_body, frame.name)) if earlier else None)
+            networks = tuple([
+                known.get(id(network)) or _place(network, frame) for network in code[frame.key]])
+            routine = Routine(name=frame.name, networks=networks, is_body=is_body)
             routines.append(routine)
+            made[is_body, frame.name] = frame, code[frame.key], routine
             pending.extend(reversed([
-                _frame(instruction, composites, frame.chain)
-                for instruction in routine.instructions()
+                _enter(instruction, composites, frame.chain)
+                for instruction in routine.notable()
                 if instruction.op in (Op.EXE, Op.RUN)]))
     routines.sort(key=lambda routine: not routine.is_body)
-    return InstructionList(routines=tuple(routines))
+    return Linked(code=InstructionList(routines=tuple(routines)), made=made)
+
+
+def _known(
+    frame: _Frame, earlier: tuple[_Frame, Sequence[Network], Routine] | None,
+) -> Mapping[int, Network]:
+    """Return what networks (by ``id``) became in an earlier program in the same frame."""
+    if earlier is None or earlier[0] != frame:
+        return {}
+    return {id(network): placed
+            for network, placed in zip(earlier[1], earlier[2].networks, strict=True)}
 
 
 def belongs_to_body(path: str) -> bool:
@@ -67,7 +92,7 @@ def belongs_to_body(path: str) -> bool:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Pending:
+class _Frame:
     """A routine to be made: its POU, prefix and bindings of its names, its components' path."""
 
     name: str
@@ -78,9 +103,9 @@ class _Pending:
     chain: tuple[str, ...] = ()
 
 
-def _frame(
+def _enter(
     instruction: Instruction, composites: Mapping[str, Composite], outer: tuple[str, ...],
-) -> _Pending:
+) -> _Frame:
     call = instruction.call
     assert call is not None
     composite = composites[call.name.casefold()]
@@ -90,13 +115,13 @@ def _frame(
     bindings: dict[str, Operand] = {
         name.casefold(): Ref(path=name, type=DataType.BOOL) for name in composite.externals}
     bindings.update((name.casefold(), operand) for name, operand in call.inputs)
-    return _Pending(
+    return _Frame(
         name=call.instance, key=pou_key(composite), prefix=f'{call.instance}.',
         path=instruction.component or call.instance, bindings=bindings,
         chain=(*outer, composite.name))
 
 
-def _place(network: Network, frame: _Pending) -> Network:
+def _place(network: Network, frame: _Frame) -> Network:
     """Return a network of a POU as one instance of the POU executes it."""
     is_plain = not (frame.prefix or frame.bindings)
 
@@ -136,15 +161,22 @@ def _place(network: Network, frame: _Pending) -> Network:
         new = operand(Ref(path=old, type=DataType.BOOL))
         return new.path if isinstance(new, Ref) else frame.prefix + old
 
-    start = f'{frame.path}/{network.rung}/'
-    return replace(network, code=tuple(
-        Instruction(
+    def instruction(old: Instruction) -> Instruction:
+        if old.memory is None and old.target is None and old.call is None and not old.label:
+            if old.operand is None and not old.component:
+                return old
+            return Instruction(
+                op=old.op, operand=operand(old.operand) if old.operand is not None else None,
+                component=start + old.component if old.component else '')
+        return Instruction(
             op=old.op, operand=operand(old.operand) if old.operand is not None else None,
             memory=ref(old.memory) if old.memory is not None else None,
             target=target(old.target) if old.target is not None else None,
             call=call(old.call) if old.call is not None else None, label=old.label,
             component=start + old.component if old.component else '')
-        for old in network.code))
+
+    start = f'{frame.path}/{network.rung}/'
+    return replace(network, code=tuple([instruction(old) for old in network.code]))
 
 
 def list_components(

@@ -3,8 +3,8 @@
 """Write LLVM's intermediate language: values, and what one can do with them.
 
 Nothing here branches: a condition selects.  The same calls make code for one program or, with
-``lanes``, for so many copies of it at once: a BOOL is then an integer with a bit a lane, any other
-value a vector.
+``lanes``, for so many copies of it, or of a part of it, at once: any value is then a vector, but
+that ``packed`` BOOLs are an integer with a bit a lane.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import struct
 from ladder_ros.model.types import BIT_STRINGS, DataType, SIGNED, UNSIGNED, Value
 
 WORD = 'word'
-"""The type of a BOOL: a byte, or with lanes an integer of so many bits."""
+"""The type of a BOOL: a byte, or with lanes a vector of bytes or an integer of so many bits."""
 
 TRUTH = 'i1'
 """The type of a comparison's result, and of a select's condition."""
@@ -36,9 +36,12 @@ def is_signed(type_: DataType) -> bool:
     return type_ in SIGNED or type_ is DataType.TIME
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Val:
-    """A value: its name or constant, and its type for one lane."""
+    """A value: its name or constant, and its type for one lane.
+
+    Equal are only those that are the same: constants are made once.
+    """
 
     text: str
     ir: str
@@ -54,18 +57,40 @@ class Builder:
     """Appends instructions to ``lines``; ``needs`` are the functions that these call."""
 
     lanes: int = 1
+    packed: bool = True
     lines: list[str] = field(default_factory=list)
     needs: dict[str, None] = field(default_factory=dict)
     count: int = 0
     truths: dict[str, Val] = field(default_factory=dict)
     """BOOLs that were the results of comparisons, by name."""
+    numbers: dict[tuple[str, str], Val] = field(default_factory=dict)
+    """The constants but BOOLs, by type and text."""
+    false: Val = field(init=False)
+    """BOOL FALSE."""
+    true: Val = field(init=False)
+    """BOOL TRUE, in every lane."""
+
+    def __post_init__(self) -> None:
+        """Make the constants."""
+        if self._is_integer:
+            texts = '0', '1' if self.lanes == 1 else '-1'
+        else:
+            texts = 'zeroinitializer', 'splat (i8 1)'
+        self.false, self.true = (Val(text, WORD) for text in texts)
+
+    @property
+    def _is_integer(self) -> bool:
+        """Whether a BOOL, of all lanes, is an integer."""
+        return self.lanes == 1 or self.packed
 
     # types and constants
 
     def type(self, ir: str) -> str:
         """Return how the type is written, all lanes together."""
         if ir == WORD:
-            return 'i8' if self.lanes == 1 else f'i{self.lanes}'
+            if self.lanes > 1 and self.packed:
+                return f'i{self.lanes}'
+            ir = 'i8'
         return ir if self.lanes == 1 else f'<{self.lanes} x {ir}>'
 
     def constant(self, value: Value, type_: DataType) -> Val:
@@ -77,17 +102,11 @@ class Builder:
     def number(self, value: Value, ir: str) -> Val:
         """Return a number as a constant."""
         text = _real_text(float(value)) if ir in ('float', 'double') else str(int(value))
-        return Val(text if self.lanes == 1 else f'splat ({ir} {text})', ir)
-
-    @property
-    def false(self) -> Val:
-        """BOOL FALSE."""
-        return Val('0', WORD)
-
-    @property
-    def true(self) -> Val:
-        """BOOL TRUE, in every lane."""
-        return Val('1' if self.lanes == 1 else '-1', WORD)
+        found = self.numbers.get((ir, text))
+        if found is None:
+            found = Val(text if self.lanes == 1 else f'splat ({ir} {text})', ir)
+            self.numbers[ir, text] = found
+        return found
 
     # instructions
 
@@ -132,14 +151,20 @@ class Builder:
         given = ', '.join(f'{self.type(value.ir)} {value.text}' for value in arguments)
         return self.let(f'call {self.type(ir)} {name}({given})', ir)
 
-    def spread(self, name: str) -> Val:
-        """Return an integer of 64 bits that is the same in all lanes."""
+    def spread(self, name: str, ir: str = 'i64') -> Val:
+        """Return a value of one lane as one that is the same in all lanes."""
         if self.lanes == 1:
-            return Val(name, 'i64')
-        kind = self.type('i64')
-        first = self.let(f'insertelement {kind} poison, i64 {name}, i64 0', 'i64')
+            return Val(name, ir)
+        kind = self.type(ir)
+        first = self.let(
+            f'insertelement {kind} poison, {self.of_one(ir)} {name}, i64 0', ir)
         return self.let(f'shufflevector {kind} {first.text}, {kind} poison, '
-                        f'<{self.lanes} x i32> zeroinitializer', 'i64')
+                        f'<{self.lanes} x i32> zeroinitializer', ir)
+
+    @staticmethod
+    def of_one(ir: str) -> str:
+        """Return how the type of one lane is written, where BOOLs are not packed."""
+        return 'i8' if ir == WORD else ir
 
     # BOOLs
 
@@ -169,19 +194,29 @@ class Builder:
         """Return a BOOL as the condition of a select, or of a branch of one lane."""
         if word.text in self.truths:
             return self.truths[word.text]
-        if self.lanes == 1:
-            return self.let(f'trunc i8 {word.text} to i1', TRUTH)
+        if self.lanes == 1 or not self.packed:
+            return self.let(
+                f'trunc {self.type(WORD)} {word.text} to {self.type(TRUTH)}', TRUTH)
         return self.let(f'bitcast i{self.lanes} {word.text} to <{self.lanes} x i1>', TRUTH)
 
     def word(self, truth: Val) -> Val:
         """Return a comparison's result as a BOOL."""
-        if self.lanes == 1:
-            word = self.let(f'zext i1 {truth.text} to i8', WORD)
+        if self.lanes == 1 or not self.packed:
+            word = self.let(
+                f'zext {self.type(TRUTH)} {truth.text} to {self.type(WORD)}', WORD)
         else:
             word = self.let(
                 f'bitcast <{self.lanes} x i1> {truth.text} to i{self.lanes}', WORD)
         self.truths[word.text] = truth
         return word
+
+    def any(self, word: Val) -> Val:
+        """Return whether a BOOL is TRUE in any lane, as the condition of a branch."""
+        kind, name = self.type(WORD), word.text
+        if not self._is_integer:
+            whole = f'i{8 * self.lanes}'
+            kind, name = whole, self.let(f'bitcast {kind} {name} to {whole}', whole).text
+        return self.let(f'icmp ne {kind} {name}, 0', 'i1')
 
     def select(self, condition: Val, first: Val, second: Val) -> Val:
         """Return ``first`` where the condition, a BOOL, is TRUE, else ``second``."""

@@ -50,7 +50,7 @@ def _machine() -> Any:
     llvm = _llvm()
     features = llvm.get_host_cpu_features().flatten()
     return llvm.Target.from_default_triple().create_target_machine(
-        cpu=llvm.get_host_cpu_name(), features=features, opt=1, codemodel='small')
+        cpu=llvm.get_host_cpu_name(), features=features, opt=1, reloc='pic', codemodel='small')
 
 
 @cache
@@ -61,7 +61,7 @@ def _identity() -> str:
     llvm = _llvm()
     return ' '.join((
         llvmlite.__version__, str(llvm.llvm_version_info), llvm.get_default_triple(),
-        llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten(), 'fast-isel small 1'))
+        llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten(), 'fast-isel pic small 1'))
 
 
 def make_object(text: str, cached: ObjectCache | None = None) -> bytes:

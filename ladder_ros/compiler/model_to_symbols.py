@@ -8,8 +8,9 @@ Fails:  a composite that names a variable of the program (L0203): it sees only i
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 import re
 
 from ladder_ros.compiler.resolve_rung import RungResolver, suggestion
@@ -20,6 +21,7 @@ from ladder_ros.compiler.symbols import (
     Symbol,
     Symbols,
 )
+from ladder_ros.compiler.unchanged import same_rungs
 from ladder_ros.diagnostics import Diagnostic, Location, problem
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.component import (
@@ -40,18 +42,28 @@ from ladder_ros.model.program import (
 NAME = re.compile(r'[A-Za-z_][A-Za-z0-9_]*$')
 IDENTIFIER = re.compile(r'[A-Za-z0-9_]+$')
 
+_DEFINITIONS = 256
+"""So many definitions from libraries are resolved once, whoever uses them."""
 
-def resolve_symbols(program: Program) -> tuple[Symbols, tuple[Diagnostic, ...]]:
-    """Return the program's symbols and everything that is wrong with its names and types."""
-    resolver = _Resolver(program=program)
+
+def resolve_symbols(
+    program: Program, before: tuple[Program, Symbols] | None = None,
+) -> tuple[Symbols, tuple[Diagnostic, ...]]:
+    """Return the program's symbols and everything that is wrong with its names and types.
+
+    ``before`` is an earlier program and its symbols: what they say of rungs is taken over.
+    """
+    resolver = _Resolver(program=program, before=before)
     return resolver.run(), tuple(resolver.found)
 
 
 @dataclass(slots=True, kw_only=True)
 class _Resolver:
     program: Program
+    before: tuple[Program, Symbols] | None = None
     found: list[Diagnostic] = field(default_factory=list)
-    resolved: dict[tuple[str, str], dict[str, Resolved]] = field(default_factory=dict)
+    noted: set[int] = field(default_factory=set)
+    resolved: dict[tuple[str, str], Mapping[str, Resolved]] = field(default_factory=dict)
     composites: dict[str, Composite] = field(default_factory=dict)
 
     @property
@@ -82,16 +94,33 @@ class _Resolver:
                 self.report('L0215', body.location, name=body.task, hint=suggestion(
                     body.task, (task.name for task in program.tasks)))
         ordered = self._order_composites()
-        scopes: dict[str, Scope] = {}
-        for composite in program.composites:
-            scopes[f'composite {composite.name.casefold()}'] = self._composite_scope(composite)
+        known = {id(composite): names for composite in program.composites
+                 if (names := self._known_names(composite)) is not None}
+        scopes = {
+            pou_key(c): known[id(c)].scope if id(c) in known else self._composite_scope(c)
+            for c in program.composites}
         shared = self._program_scope()
         for body in program.bodies:
             scopes[f'body {body.name.casefold()}'] = replace(shared, pou=body.name)
         pous: list[Pou] = [*program.composites, *program.bodies]
+        same = {} if self.before is None else same_rungs(*self.before, program, scopes)
         for pou in pous:
-            self._resolve_pou(pou, scopes[pou_key(pou)])
-        return Symbols(scopes=scopes, resolved=self.resolved, composites=ordered)
+            if id(pou) in known:
+                self.resolved.update(known[id(pou)].resolved)
+            else:
+                self._resolve_pou(pou, scopes[pou_key(pou)], same.get(pou_key(pou), {}))
+        return Symbols(scopes=scopes, resolved=self.resolved, composites=ordered, same=same,
+                       noted=frozenset(self.noted))
+
+    def _known_names(self, composite: Composite) -> _Names | None:
+        """Return the names of a definition from a library if they have been found out before."""
+        if not composite.library or composite.externals or self.imported:
+            return None
+        inner = {key: self.composites[key] for i in _instances(composite)
+                 if (key := i.composite.casefold()) in self.composites}
+        return _names_of(_Definition(
+            ids=(id(composite), *(id(definition) for definition in inner.values())),
+            composite=composite, inner=inner))
 
     def _unique(
         self, names: Iterable[tuple[str, Location]], taken: dict[str, Location] | None = None,
@@ -190,7 +219,9 @@ class _Resolver:
                 untyped[name.casefold()] = type_
         for rung in rungs:
             for component in rung.components:
-                if not isinstance(component, (Block, Instance)) or not component.instance:
+                if type(component) is not Block and type(component) is not Instance:
+                    continue
+                if not component.instance:
                     continue
                 type_ = component.type if isinstance(component, Block) else component.composite
                 key = component.instance.casefold()
@@ -234,10 +265,17 @@ class _Resolver:
                 'L0222', component.location, name=component.instance,
                 related=((place, 'also called here'),)))
 
-    def _resolve_pou(self, pou: Pou, scope: Scope) -> None:
+    def _resolve_pou(self, pou: Pou, scope: Scope, same: Mapping[int, int]) -> None:
         self._unique(((r.id, r.location) for r in pou.rungs), pattern=IDENTIFIER)
         contacts: dict[str, Resolved] = {}
+        key = pou_key(pou)
         for rung in pou.rungs:
+            if id(rung) in same:
+                assert self.before is not None
+                place = key, rung.id.casefold()
+                self.resolved[place] = self.before[1].resolved[place]
+                continue
+            before = len(self.found)
             self._unique(((c.id, c.location) for c in rung.components), pattern=IDENTIFIER)
             if rung.wires is not None:
                 continue
@@ -245,11 +283,42 @@ class _Resolver:
             in_rung = RungResolver(
                 report=self.report, scope=scope, rung=rung, by_id=by_id,
                 composites=self.composites, contacts=contacts)
-            found = self.resolved.setdefault((pou_key(pou), rung.id.casefold()), {})
+            found: dict[str, Resolved] = {}
             for component in rung.components:
                 resolved = in_rung.resolve(component)
                 if resolved is not None:
                     found[component.id.casefold()] = resolved
+            self.resolved[key, rung.id.casefold()] = found
+            if len(self.found) > before:
+                self.noted.add(id(rung))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Names:
+    """What the names in a definition mean."""
+
+    scope: Scope
+    resolved: Mapping[tuple[str, str], Mapping[str, Resolved]]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Definition:
+    """A composite and those that it contains, told by being the same objects."""
+
+    ids: tuple[int, ...]
+    composite: Composite = field(compare=False)
+    inner: Mapping[str, Composite] = field(compare=False)
+
+
+@lru_cache(_DEFINITIONS)
+def _names_of(definition: _Definition) -> _Names | None:
+    """Resolve a definition, which sees nothing of a program; None if something is wrong in it."""
+    resolver = _Resolver(
+        program=Program(name='', bodies=()), composites=dict(definition.inner))
+    composite = definition.composite
+    scope = resolver._composite_scope(composite)
+    resolver._resolve_pou(composite, scope, {})
+    return None if resolver.found else _Names(scope=scope, resolved=resolver.resolved)
 
 
 def _instances(composite: Composite) -> Iterable[Instance]:

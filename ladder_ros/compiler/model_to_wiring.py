@@ -27,6 +27,8 @@ from ladder_ros.model.component import (
     Column,
     Component,
     Contact,
+    Instance,
+    power_pins,
     Row,
     Side,
 )
@@ -102,15 +104,14 @@ def _drawing(rung: Rung, ends_in_output: bool) -> _Drawing | None:
         return None
     return _Drawing(rung=rung, ends_in_output=ends_in_output, key=(rung.width, tuple([
         (type(component), component.placement,
-         _pins(component) if isinstance(component, Block) else None)
+         _pins(component) if isinstance(component, (Block, Instance)) else None)
         for component in components])))
 
 
-def _pins(block: Block) -> tuple[object, ...]:
-    return (block.type, *(
-        (argument.pin, argument.row) for argument in block.inputs if argument.row is not None),
-        '', *((argument.pin, argument.row)
-              for argument in block.outputs if argument.row is not None))
+def _pins(component: Block | Instance) -> tuple[object, ...]:
+    type_ = component.type if isinstance(component, Block) else ''
+    return (type_, *((enters, argument.pin, argument.row)
+                     for enters, argument in power_pins(component)))
 
 
 @lru_cache(_DRAWINGS)
@@ -215,19 +216,17 @@ class _Analyser:
         right = place.x + place.width
         self.ends.append((component, True, '', (place.x, place.y)))
         self.ends.append((component, False, '', (right, place.y)))
-        if isinstance(component, Block):
-            for argument in component.inputs:
-                self._add_pin(component, argument, True, place.x)
-            for argument in component.outputs:
-                self._add_pin(component, argument, False, right)
+        if isinstance(component, (Block, Instance)):
+            for is_left, argument in power_pins(component):
+                self._add_pin(component, argument, is_left, place.x if is_left else right)
 
-    def _add_pin(self, block: Block, argument: Argument, is_left: bool, x: int) -> None:
-        if argument.row is None:
-            return
-        if not 0 < argument.row < block.placement.height:
+    def _add_pin(
+        self, block: Block | Instance, argument: Argument, is_left: bool, x: int,
+    ) -> None:
+        if argument.row is None or not 0 < argument.row < block.placement.height:
             self.report('L0312', block, name=f'pin {argument.pin} of {block.id}', row=argument.row)
             return
-        kind = CATALOGUE.get(block.type.upper())
+        kind = CATALOGUE.get(block.type.upper()) if isinstance(block, Block) else None
         name = argument.pin
         if kind is not None:
             pin = kind.input(name) if is_left else kind.output(name)

@@ -10,6 +10,7 @@ unless it is observed; then Python runs it on a copy of the state's values.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 import ctypes
 from dataclasses import dataclass, field, replace
 import hashlib
@@ -24,12 +25,17 @@ from ladder_ros.compiler.il import (
     Network,
     Op,
     Routine,
+    STORES,
 )
-from ladder_ros.compiler.il_to_llvm import (
+from ladder_ros.compiler.il_to_groups import find_groups
+from ladder_ros.compiler.il_to_llvm import ChunkEmitter
+from ladder_ros.compiler.llvm_builder import Builder, Val, WORD
+from ladder_ros.compiler.llvm_groups import emit_group, GroupCode
+from ladder_ros.compiler.llvm_machine import Linked
+from ladder_ros.compiler.llvm_memory import (
     Activity,
+    Cells,
     Chunk,
-    ChunkEmitter,
-    emit_release,
     FAILED,
     GO_ON,
     LEFT,
@@ -37,10 +43,8 @@ from ladder_ros.compiler.il_to_llvm import (
     parameters,
     routine_symbol,
 )
-from ladder_ros.compiler.llvm_builder import Builder, Val, WORD
-from ladder_ros.compiler.llvm_machine import Linked
 from ladder_ros.compiler.llvm_steps import NotNativeError
-from ladder_ros.compiler.native_state import arrange, NativeLayout
+from ladder_ros.compiler.native_state import arrange, NativeLayout, RoutineId
 from ladder_ros.compiler.symbols import Element, Operand, Ref
 from ladder_ros.executable import Scan, Slot, State
 from ladder_ros.model.catalogue import CATALOGUE
@@ -50,6 +54,8 @@ _INSTRUCTIONS = 200
 """Most networks, and about the most instructions, in a chunk."""
 LEAST_INSTRUCTIONS = 25_000
 """Instructions that a part must have for it to pay to follow what has changed."""
+_CALLS = 256
+"""Chunks that a function calls one after the other."""
 _CHUNKS = 32
 """Chunks in a module: the part that is compiled, and kept, as one."""
 
@@ -87,7 +93,8 @@ def layout_of(code: InstructionList, slots: Sequence[Slot],
               index: Mapping[str, int]) -> NativeLayout:
     """Lay out the state of a program."""
     return arrange(
-        slots, _written_order(code.routines, index), _arrays_of(code.routines, index))
+        slots, _written_order(code.routines, index), _arrays_of(code.routines, index),
+        find_groups(code, index))
 
 
 def _written_order(routines: Sequence[Routine], slots: Mapping[str, int]) -> list[int]:
@@ -97,7 +104,7 @@ def _written_order(routines: Sequence[Routine], slots: Mapping[str, int]) -> lis
         for instruction in routine.instructions():
             call = instruction.call
             targets: list[Operand | None] = [instruction.memory, instruction.target]
-            if call is None and instruction.op.value[0] in 'SR':
+            if instruction.op in STORES:
                 targets.append(instruction.operand)
             if call is not None:
                 targets += [target for _, target in call.outputs]
@@ -149,6 +156,11 @@ class _Function:
         return f'define i8 @{self.symbol}({parameters(lanes)}) {{\n{self.chunk.body}\n}}'
 
 
+def _named(chunk: Chunk) -> _Function:
+    digest = hashlib.sha256(chunk.body.encode()).hexdigest()[:32]
+    return _Function(symbol=f'chunk_{digest}', chunk=chunk)
+
+
 def _jumps(routine: Routine) -> bool:
     """Say whether a routine has jumps: its networks are then not executed one after the other."""
     return any(instruction.op is Op.JMP for instruction in routine.instructions())
@@ -163,16 +175,23 @@ class _Emitter:
     """What the routines do that are native as a whole, by instance."""
     sizes: dict[str, int] = field(default_factory=dict)
     """How many instructions a routine executes, with those that it calls."""
+    groups: dict[RoutineId, list[tuple[tuple[int, ...], GroupCode]]] = field(default_factory=dict)
+    """The groups of networks of a routine: their numbers, and what executes them."""
     functions: dict[str, _Function] = field(default_factory=dict)
     drivers: list[str] = field(default_factory=list)
     why_not: dict[str, None] = field(default_factory=dict)
 
     def emit(self) -> NativeProgram:
         inner = [routine for routine in self.code.routines if not routine.is_body]
-        done: set[str] = set()
+        by_name = {routine.name: routine for routine in inner}
         for routine in reversed(inner):  # each comes after those that call it
-            if routine.name not in done:  # one that is called in several places is there as often
-                done.add(routine.name)
+            self.sizes[routine.name] = sum(map(self.size, routine.networks))
+        if self.lanes == 1:
+            self.emit_groups(by_name)
+        needed = self.called(by_name)
+        for routine in reversed(inner):
+            if routine.name in needed:
+                needed.remove(routine.name)  # one that is called in several places is there twice
                 self.inner_routine(routine)
         parts: dict[str, tuple[Part, ...]] = {}
         rest: list[Routine] = []
@@ -190,12 +209,42 @@ class _Emitter:
             layout=self.memory.layout, modules=tuple(modules), parts=parts,
             rest=InstructionList(routines=tuple(rest)), why_not=tuple(self.why_not))
 
+    def emit_groups(self, inner: Mapping[str, Routine]) -> None:
+        """Emit the groups of networks that are executed abreast."""
+        for routine in self.code.routines:
+            for group in self.memory.layout.groups.get((routine.is_body, routine.name), ()):
+                first = routine.networks[group.members[0]]
+                with suppress(NotNativeError):  # they are executed one by one
+                    code = emit_group(group, first, inner, self.memory, self.size(first))
+                    self.groups.setdefault((routine.is_body, routine.name), []).append(
+                        (group.members, code))
+
+    def called(self, inner: Mapping[str, Routine]) -> set[str]:
+        """Return the names of the routines that are called, not part of a group."""
+        found: set[str] = set()
+        pending = [routine for routine in self.code.routines if routine.is_body]
+        while pending:
+            names = {
+                i.call.instance for item in self.items(pending.pop()) if isinstance(item, Network)
+                for i in item.code if i.call is not None and i.op in (Op.EXE, Op.RUN)} - found
+            found |= names
+            pending += [inner[name] for name in names]
+        return found
+
+    def items(self, routine: Routine) -> list[Network | GroupCode]:
+        """Return what a routine executes: a group where its first member stands."""
+        groups = self.groups.get((routine.is_body, routine.name), ())
+        starts = {members[0]: code for members, code in groups}
+        joined = {number for members, _ in groups for number in members}
+        return [starts.get(number, network) for number, network in enumerate(routine.networks)
+                if number in starts or number not in joined]
+
     def inner_routine(self, routine: Routine) -> None:
         try:
             if _jumps(routine):
                 raise NotNativeError('a jump')
-            functions = list(self.chunks(routine.networks, is_inner=True))
-            release, activity = emit_release(
+            functions = list(self.chunks(self.items(routine), is_inner=True))
+            release, activity = _emit_release(
                 routine, self.memory, self.routines, self.lanes)
         except NotNativeError as error:
             self.why_not[str(error)] = None
@@ -203,13 +252,13 @@ class _Emitter:
         for function in functions:
             activity |= function.chunk.activity
         self.routines[routine.name] = activity
-        self.sizes[routine.name] = sum(map(self.size, routine.networks))
         self.keep(functions)
         self.drivers += [self.driver(routine_symbol(routine.name), functions), release]
 
     def body(self, routine: Routine) -> Iterator[Part]:
         """Split a body into parts that are native, and others."""
-        faults = [self.fault(network) for network in routine.networks]
+        items = self.items(routine)
+        faults = [self.fault(item) for item in items]
         self.why_not.update((fault, None) for fault in faults if fault)
         leaves = any(i.op is Op.RET for i in routine.instructions())
         if _jumps(routine):
@@ -220,25 +269,26 @@ class _Emitter:
             yield Part(networks=routine.networks)
             return
         for is_native, group in groupby(
-                zip(routine.networks, faults, strict=True), key=lambda pair: not pair[1]):
-            networks = tuple(network for network, _ in group)
+                zip(items, faults, strict=True), key=lambda pair: not pair[1]):
+            several = [item for item, _ in group]
             if not is_native:
-                yield Part(networks=networks)
+                yield Part(networks=tuple(n for n in several if isinstance(n, Network)))
                 continue
-            functions = list(self.chunks(networks))
+            functions = list(self.chunks(several))
             symbol = f'body_{len(self.drivers)}'
             self.keep(functions)
             self.drivers.append(self.driver(symbol, functions))
-            size = sum(map(self.size, networks))
+            size = sum(map(self.size, several))
             activities = [function.chunk.activity for function in functions]
             yield Part(
                 symbol=symbol, chunks=tuple(function.symbol for function in functions),
                 tables=EventTables(activities, self.memory.layout)
                 if self.lanes == 1 and size >= LEAST_INSTRUCTIONS else None)
 
-    def fault(self, network: Network) -> str:
+    def fault(self, network: Network | GroupCode) -> str:
         """Return why a network is not native, or ''."""
-        if not any(_may_fail(instruction) for instruction in network.code):
+        if isinstance(network, GroupCode) or not any(
+                _may_fail(instruction) for instruction in network.code):
             return ''
         try:
             self.emitter().add(network)
@@ -249,44 +299,59 @@ class _Emitter:
     def emitter(self, *, is_inner: bool = False) -> ChunkEmitter:
         mask = Val('%mask', WORD) if is_inner and self.lanes > 1 else None
         return ChunkEmitter(memory=self.memory, routines=self.routines, mask=mask,
+                            access=Cells(layout=self.memory.layout),
                             builder=Builder(lanes=self.lanes))
 
     def chunks(
-        self, networks: Sequence[Network], *, is_inner: bool = False,
+        self, items: Sequence[Network | GroupCode], *, is_inner: bool = False,
     ) -> Iterator[_Function]:
         emitter = self.emitter(is_inner=is_inner)
         count = size = 0
-        for network in networks:
-            if count and (count >= _NETWORKS or size + self.size(network) > _INSTRUCTIONS):
-                yield self.function(emitter)
+        for item in items:
+            is_group = isinstance(item, GroupCode)
+            if count and (is_group or count >= _NETWORKS
+                          or size + self.size(item) > _INSTRUCTIONS):
+                yield _named(emitter.chunk())
                 emitter = self.emitter(is_inner=is_inner)
                 count = size = 0
-            emitter.add(network)
-            count, size = count + 1, size + self.size(network)
+            if isinstance(item, GroupCode):
+                yield from map(_named, item.chunks)
+                continue
+            emitter.add(item)
+            count, size = count + 1, size + self.size(item)
         if count:
-            yield self.function(emitter)
+            yield _named(emitter.chunk())
 
-    def size(self, network: Network) -> int:
-        """Return how many instructions a network executes, about."""
-        return len(network.code) + sum(
-            self.sizes[i.call.instance] for i in network.code
+    def size(self, item: Network | GroupCode) -> int:
+        """Return how many instructions something executes, about."""
+        if isinstance(item, GroupCode):
+            return item.size
+        return len(item.code) + sum(
+            self.sizes[i.call.instance] for i in item.code
             if i.call is not None and i.op in (Op.EXE, Op.RUN))
-
-    def function(self, emitter: ChunkEmitter) -> _Function:
-        chunk = emitter.chunk()
-        digest = hashlib.sha256(chunk.body.encode()).hexdigest()[:32]
-        return _Function(symbol=f'chunk_{digest}', chunk=chunk)
 
     def keep(self, functions: Sequence[_Function]) -> None:
         self.functions.update((function.symbol, function) for function in functions)
 
     def driver(self, symbol: str, functions: Sequence[_Function]) -> str:
-        """Return the function that calls others one after the other."""
+        """Return functions that call others one after the other, at last one of that name."""
+        calls = [(function.symbol, function.chunk.may_leave) for function in functions]
+        texts: list[str] = []
+        while len(calls) > _CALLS:  # long functions take long to compile
+            parts = [calls[start:start + _CALLS] for start in range(0, len(calls), _CALLS)]
+            names = [f'{symbol}_{len(texts) + number}' for number in range(len(parts))]
+            texts += [self.calling(*named) for named in zip(names, parts, strict=True)]
+            calls = [(name, any(may_leave for _, may_leave in part))
+                     for name, part in zip(names, parts, strict=True)]
+        return '\n'.join([*texts, self.calling(symbol, calls)])
+
+    def calling(self, symbol: str, calls: Sequence[tuple[str, bool]]) -> str:
+        """Return a function that calls others; it says which of them may leave."""
         given = parameters(self.lanes)
         lines = [f'define i8 @{symbol}({given}) {{']
-        for number, function in enumerate(functions):
-            lines.append(f'%r{number} = call i8 @{function.symbol}({given})')
-            if function.chunk.may_leave:
+        for number, (name, may_leave) in enumerate(calls):
+            lines.append(f'%r{number} = call i8 @{name}({given})')
+            if may_leave:
                 lines += [
                     f'%c{number} = icmp eq i8 %r{number}, {GO_ON}',
                     f'br i1 %c{number}, label %on{number}, label %out{number}',
@@ -299,6 +364,8 @@ class _Emitter:
             part = functions[start:start + _CHUNKS]
             needs = dict.fromkeys(need for function in part for need in function.chunk.needs)
             yield '\n'.join((*needs, *(function.text(self.lanes) for function in part)))
+        for groups in self.groups.values():
+            yield from dict.fromkeys(code.module for _, code in groups)
         declared = [
             f'declare i8 @{function.symbol}({parameters(self.lanes)})' for function in functions]
         yield '\n'.join((*declared, *self.drivers))
@@ -308,6 +375,21 @@ def _may_fail(instruction: Instruction) -> bool:
     """Say whether an instruction may have no native form; most have one."""
     return instruction.call is not None or instruction.op is Op.MOV or isinstance(
         instruction.operand, Element)
+
+
+def _emit_release(
+    routine: Routine, memory: Memory, routines: Mapping[str, Activity], lanes: int = 1,
+) -> tuple[str, Activity]:
+    """Return the function that releases a routine's timers, and those of routines inside it."""
+    mask = Val('%mask', WORD) if lanes > 1 else None
+    emitter = ChunkEmitter(
+        memory=memory, routines=routines, access=Cells(layout=memory.layout),
+        builder=Builder(lanes=lanes), mask=mask)
+    emitter.release(routine)
+    given = 'ptr %s' if lanes == 1 else f'ptr %s, i{lanes} %mask'
+    body = '\n'.join((*emitter.access.prelude(), *emitter.builder.lines))
+    symbol = routine_symbol(routine.name)
+    return f'define void @{symbol}_release({given}) {{\n{body}\nret void\n}}', emitter.activity
 
 
 def without_code(program: NativeProgram) -> NativeProgram:

@@ -9,13 +9,23 @@ STRINGs, which native code does not touch, stay Python objects.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
+from collections.abc import (
+    Callable,
+    Iterable,
+    Iterator,
+    Mapping,
+    MutableSequence,
+    Sequence,
+    Set,
+)
 import ctypes
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import groupby, repeat
 from operator import itemgetter
 import struct
 from typing import Any, overload
 
+from ladder_ros.compiler.symbols import Literal
 from ladder_ros.executable import Slot
 from ladder_ros.model.types import BIT_STRINGS, DataType, SIGNED, UNSIGNED, Value
 
@@ -32,45 +42,108 @@ SIZE = {type_: struct.calcsize(f'={letter}') for type_, letter in FORMAT.items()
 _BLOCK = 256
 """Bytes that states are a multiple of: they are compared in such blocks."""
 
+ABREAST = 64
+"""Networks of a group that are executed at once."""
+
+
+RoutineId = tuple[bool, str]
+"""A routine: whether it is a body, and its name."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Group:
+    """Networks of a routine that differ in what they are bound to, and may be executed abreast.
+
+    ``members`` are their numbers in the routine.  Each of the ``variables`` of their code is a
+    slot in each member; ``written`` are the numbers of those that the code writes.  Of its
+    literals, those that are not the same in all members are ``constants``, by their number in
+    the code: a value in each.
+    """
+
+    members: tuple[int, ...]
+    variables: tuple[tuple[int, ...], ...]
+    written: frozenset[int]
+    constants: Mapping[int, tuple[Literal, ...]] = field(default_factory=dict)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NativeLayout:
     """Where each slot lies: its offset in bytes, or -1 for a STRING; ``size`` of all in bytes.
 
-    ``types`` are the slots' types.  Offsets are multiples of the types' sizes.
+    ``types`` are the slots' types.  Offsets are multiples of the types' sizes.  ``rows`` are slots
+    that lie side by side, with nothing behind them up to a multiple of ABREAST elements; they are
+    there for the ``groups`` of networks, by the name of the routine.
     """
 
     offsets: tuple[int, ...]
     types: tuple[DataType, ...]
     size: int
+    groups: Mapping[RoutineId, tuple[Group, ...]] = field(default_factory=dict)
+    rows: frozenset[tuple[int, ...]] = frozenset()
+
+
+def whole_rows(count: int) -> int:
+    """Return the elements that a row of so many slots takes."""
+    return (count + ABREAST - 1) // ABREAST * ABREAST
 
 
 def arrange(
     slots: Sequence[Slot], written: Iterable[int] = (), arrays: Iterable[range] = (),
+    groups: Mapping[RoutineId, tuple[Group, ...]] | None = None,
 ) -> NativeLayout:
     """Lay the slots out by size, the largest first.
 
-    Among those of one size, what is never written (inputs) comes first, then elements of
-    ``arrays`` in their order, so that an array of structures has a regular step, then all else in
-    the order in which it is ``written``: what a rung needs lies together.
+    Among those of one size, variables of ``groups`` come first, a row each; then what is never
+    written (inputs), then elements of ``arrays`` in their order, so that an array of structures
+    has a regular step, then all else in the order in which it is ``written``: what a rung needs
+    lies together.
     """
     order = {index: place for place, index in enumerate(dict.fromkeys(written))}
     in_arrays = {index for array in arrays for index in range(array.start, array.stop)}
+    types = tuple(slot.type for slot in slots)
+    rows = _rows(groups or {}, types, in_arrays)
+    in_rows = {index for row in rows for index in row}
 
-    def place(slot: Slot) -> tuple[int, int, int]:
-        if slot.index in in_arrays:
-            return -SIZE[slot.type], 1, slot.index
-        if slot.index in order:
-            return -SIZE[slot.type], 2, order[slot.index]
-        return -SIZE[slot.type], 0, slot.index
+    def place(index: int) -> tuple[int, int]:
+        if index in in_arrays:
+            return 1, index
+        return (2, order[index]) if index in order else (0, index)
 
+    single: dict[int, list[int]] = {size: [] for size in SIZE.values()}
+    for index, type_ in enumerate(types):
+        if type_ in SIZE and index not in in_rows:
+            single[SIZE[type_]].append(index)
     offsets = [-1] * len(slots)
     end = 0
-    for slot in sorted((slot for slot in slots if slot.type in SIZE), key=place):
-        offsets[slot.index] = end
-        end += SIZE[slot.type]
-    return NativeLayout(offsets=tuple(offsets), types=tuple(slot.type for slot in slots),
-                        size=(end + _BLOCK - 1) // _BLOCK * _BLOCK)
+    for size in sorted(single, reverse=True):
+        for row in rows:
+            if SIZE[types[row[0]]] == size:
+                end += -end % ABREAST
+                for number, index in enumerate(row):
+                    offsets[index] = end + number * size
+                end += whole_rows(len(row)) * size
+        for index in sorted(single[size], key=place):
+            offsets[index] = end
+            end += size
+    return NativeLayout(
+        offsets=tuple(offsets), types=types, size=(end + _BLOCK - 1) // _BLOCK * _BLOCK,
+        groups=groups or {}, rows=frozenset(rows))
+
+
+def _rows(
+    groups: Mapping[RoutineId, tuple[Group, ...]], types: Sequence[DataType], others: Set[int],
+) -> list[tuple[int, ...]]:
+    """Return the variables of groups that can lie side by side; ``others`` lie elsewhere."""
+    taken = set(others)
+    found: list[tuple[int, ...]] = []
+    for several in groups.values():
+        for group in several:
+            for row in group.variables:
+                is_own = len(set(row)) == len(row) and taken.isdisjoint(row)
+                if is_own and len({types[index] for index in row}) == 1 and types[row[0]] in SIZE:
+                    found.append(row)
+                    taken.update(row)
+    return found
 
 
 class StateForm:
@@ -81,13 +154,13 @@ class StateForm:
         self.layout = layout
         typed = sorted((offset, index) for index, offset in enumerate(layout.offsets)
                        if offset >= 0)
-        self.order = [index for _, index in typed]
+        order = [index for _, index in typed]
         self.texts = [index for index, offset in enumerate(layout.offsets) if offset < 0]
-        self.struct = struct.Struct(
-            '=' + ''.join(FORMAT[layout.types[index]] for index in self.order))
-        places = {index: place for place, index in enumerate((*self.order, *self.texts))}
+        self.struct = struct.Struct('=' + ''.join(
+            f'{len(list(run))}{letter}' for letter, run in groupby(_letters(typed, layout.types))))
+        places = {index: place for place, index in enumerate((*order, *self.texts))}
         self.gather = _picker([places[index] for index in range(len(layout.offsets))])
-        self.scatter = _picker(self.order)
+        self.scatter = _picker(order)
         self.formats = [FORMAT.get(type_, '') for type_ in layout.types]
         self.places = [offset // SIZE[type_] if offset >= 0 else -1
                        for offset, type_ in zip(layout.offsets, layout.types, strict=True)]
@@ -95,6 +168,15 @@ class StateForm:
     def __call__(self, values: Sequence[Value]) -> NativeState:
         """Return a state with these values, one a slot."""
         return NativeState(self, values)
+
+
+def _letters(typed: Sequence[tuple[int, int]], types: Sequence[DataType]) -> Iterator[str]:
+    """Yield the letters for slots at offsets, x for each byte between them."""
+    end = 0
+    for offset, index in typed:
+        yield from repeat('x', offset - end)
+        yield FORMAT[types[index]]
+        end = offset + SIZE[types[index]]
 
 
 def _picker(places: Sequence[int]) -> Callable[[Sequence[Value]], Sequence[Value]]:

@@ -7,9 +7,11 @@ components -> connections -> AOV graph -> AND/OR tree -> instruction list -> exe
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TypeVar
+from weakref import ref
 
 from ladder_ros.compiler.access_keys import access_key
 from ladder_ros.compiler.aov import Aov
@@ -17,13 +19,13 @@ from ladder_ros.compiler.aov_to_tree import reduce_to_tree, sequence
 from ladder_ros.compiler.checks import check_coils, check_size
 from ladder_ros.compiler.il import InstructionList, Network
 from ladder_ros.compiler.il_interpreter import interpret_il
-from ladder_ros.compiler.il_to_python import emit_python, load_python
+from ladder_ros.compiler.il_to_python import emit_python
 from ladder_ros.compiler.il_verify import verify_il
 from ladder_ros.compiler.imported import is_imported, lowering_of, needed_pous, unsupported_bodies
 from ladder_ros.compiler.inline_composites import expand_inline
 from ladder_ros.compiler.inventory import list_routines, list_rungs, list_tasks
-from ladder_ros.compiler.lay_out import lay_out
-from ladder_ros.compiler.link import link_code, list_components
+from ladder_ros.compiler.lay_out import lay_out, lay_out_variables, VariableSlots
+from ladder_ros.compiler.link import link_code, Linked, list_components
 from ladder_ros.compiler.llvm_machine import make_object, why_missing
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
@@ -37,6 +39,8 @@ from ladder_ros.compiler.native import (
 from ladder_ros.compiler.native_lanes import arrange_lanes, load_lanes, NativeLanes
 from ladder_ros.compiler.native_state import StateForm
 from ladder_ros.compiler.object_cache import ObjectCache
+from ladder_ros.compiler.python_code import Emitted
+from ladder_ros.compiler.rung_code import code_rung
 from ladder_ros.compiler.st_to_il import lower_statements
 from ladder_ros.compiler.stub_blocks import stub_unknown_blocks
 from ladder_ros.compiler.symbols import pou_key, Symbols
@@ -47,9 +51,20 @@ from ladder_ros.compiler.wires_to_aov import build_wired_aovs
 from ladder_ros.compiler.wiring import Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError, problem
-from ladder_ros.executable import Entry, Executable, LANES, Lanes, Scan, Slot, Variant
+from ladder_ros.executable import (
+    ComponentEntry,
+    Entry,
+    Executable,
+    LANES,
+    Lanes,
+    Later,
+    Scan,
+    Slot,
+    Variant,
+)
 from ladder_ros.garbage import collected_later
-from ladder_ros.model.program import Body, CallKind, Pou, Program, RunKind
+from ladder_ros.model.component import Instance
+from ladder_ros.model.program import Body, CallKind, Pou, Program, Rung, RunKind
 
 _T = TypeVar('_T')
 
@@ -59,18 +74,37 @@ class Stages:
     """What each stage made of a program, by POU key; a rung each."""
 
     symbols: Symbols
-    wirings: Mapping[str, Sequence[Wiring]]
+    wirings: Mapping[str, Sequence[Wiring | None]]
+    """None for a rung whose graph is taken over from an earlier compilation."""
     graphs: Mapping[str, Sequence[Aov]]
     texts: Mapping[str, Sequence[Network]]
     """The code of Structured Text bodies, which have no graphs."""
     diagnostics: tuple[Diagnostic, ...]
+    noted: frozenset[int] = frozenset()
+    """The rungs, by ``id``, whose drawings something was said about."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Work:  # without slots, as it is referred to weakly
+    """What was made on the way to an executable; a later compilation takes over what it can.
+
+    ``coded`` is the code of each POU's rungs, by POU key, which ``linked`` puts together.
+    ``emitted`` is filled when the program is built.
+    """
+
+    program: Program
+    stages: Stages
+    coded: Mapping[str, Sequence[Network]]
+    linked: Linked
+    variables: VariableSlots
+    emitted: Emitted
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Compilation:
     """The result: what runs, and the warnings and hints about the program.
 
-    ``code`` is what the executable was made from; None if that was done in another process.
+    ``work`` is what the executable was made from; None if that was done in another process.
     ``first`` makes the form that is ready first, scan functions on a list, of a variant;
     ``native`` emits native code, if the backend does, and what Python runs of the plain program.
     """
@@ -79,58 +113,134 @@ class Compilation:
     diagnostics: tuple[Diagnostic, ...]
     first: Callable[[Variant], Mapping[str, Scan]]
     native: Callable[[], tuple[NativeProgram, Mapping[str, Scan]]] | None = None
-    code: InstructionList | None = None
+    work: Work | None = None
 
 
 @collected_later()
 def compile_program(
     program: Program, *, backend: str = 'python', source_hash: str = '', stubs: bool = False,
+    earlier: Work | None = None, again: Callable[[], Program] | None = None,
 ) -> Compilation:
     """Compile a program; ``source_hash`` identifies the file it came from.
 
     With ``stubs`` an unknown block of an imported drawing gets a stand-in instead of an error.
+    ``earlier`` is a compilation's work: rungs that are the same objects in both programs, as an
+    edit leaves them, are not compiled again where the names they use mean what they meant.
+    ``again`` gives the program once more: then the executable keeps nothing that scans do not
+    need, and what else is asked of it, other variants too, is compiled then.
 
     Raises LadderError with every error that was found; L0504 for an unknown backend.
     """
     if backend not in BACKENDS:
         raise LadderError.of('L0504', program.location, name=backend, known=', '.join(BACKENDS))
     backend, missing = _available(program, backend)
-    program = completed(program, stubs=stubs)
-    stages = analyse(program)
+    completely = partial(completed, stubs=stubs)
+    program = completely(program)
+    work = _work(program, earlier)
+    code, symbols = work.linked.code, work.stages.symbols
+    by_path = lay_out(program, symbols, code, work.variables)
+    index = {path: slot.index for path, slot in by_path.items()}
+    tasks = list_tasks(program, by_path)
+    slots = tuple({id(slot): slot for slot in by_path.values()}.values())
+    form = StateForm(layout_of(code, slots, index)) if backend == 'native' else None
+    builder = _Builder(by_path, form, work, partial(_once_more, again, completely) if (
+        again is not None) else None)
+    components = Later(builder.components)
+    executable = Executable(
+        name=program.name, backend=backend, slots=slots, make_state=form or list,
+        components=components, source_hash=source_hash,
+        build=lambda variant: builder.build(variant, BACKENDS[backend]),
+        entries=tuple(_entry(program, body) for body in program.bodies), by_path=by_path,
+        tasks=tasks, rungs=Later(lambda: list_rungs(builder.work().program)),
+        routines=list_routines(code, index),
+        lanes=None if form is None else lambda: builder.lanes(slots))
+    return Compilation(
+        executable=executable, work=work,
+        diagnostics=missing + work.stages.diagnostics + check_coils(code, components),
+        first=executable.build if form is None else lambda variant: builder.build(
+            variant, _python),
+        native=None if form is None else builder.native)
+
+
+def _work(program: Program, earlier: Work | None) -> Work:
+    """Do all that has nothing to do with a backend.  Raises LadderError."""
+    stages = analyse(program, earlier)
     if has_errors(stages.diagnostics):
         raise LadderError(stages.diagnostics)
     if not program.bodies:
         raise LadderError.of('L0219', program.location)
-    forests = build_trees(program, stages)
-    code = link_code(program, {**lower(forests), **stages.texts})
-    verify_il(code)
-    by_path = lay_out(program, stages.symbols, code)
-    index = {path: slot.index for path, slot in by_path.items()}
-    components = list_components(program, code, stages.graphs, by_path)
-    component_index = {entry.path: entry.index for entry in components}
-    tasks = list_tasks(program, by_path)
-    slots = tuple(dict.fromkeys(by_path.values()))
-    form = StateForm(layout_of(code, slots, index)) if backend == 'native' else None
+    stages = replace(stages, wirings={})  # nothing needs them any more
+    coded = {**code_rungs(program, stages, earlier), **stages.texts}
+    linked = link_code(program, coded, earlier.linked if earlier is not None else None)
+    verify_il(linked.code, earlier.linked.code if earlier is not None else None)
+    return Work(
+        program=program, stages=stages, coded=coded, linked=linked,
+        variables=lay_out_variables(program, earlier.variables if earlier is not None else None),
+        emitted=Emitted(earlier.emitted.pieces if earlier is not None else None))
 
-    def build(variant: Variant, by: Backend = BACKENDS[backend]) -> Mapping[str, Scan]:
-        chosen = code
+
+def _once_more(
+    again: Callable[[], Program], completely: Callable[[Program], Program],
+) -> Work:
+    return _work(completely(again()), None)
+
+
+class _Builder:
+    """Builds the variants of a program, and what else its work is needed for.
+
+    Where the work can be done again it is not kept, until somebody asks for it.
+    """
+
+    def __init__(
+        self, by_path: Mapping[str, Slot], form: StateForm | None, work: Work,
+        again: Callable[[], Work] | None,
+    ) -> None:
+        self._by_path = by_path
+        self._form = form
+        self._weak = ref(work)
+        self._again = again
+        self._kept = None if again is not None else work
+        self._plain: Mapping[str, Scan] | None = None
+
+    def work(self) -> Work:
+        """Return the program's work; from then on it is kept, unless somebody else does."""
+        work = self._kept or self._weak()
+        if work is None:
+            assert self._again is not None
+            work = self._kept = self._again()
+        return work
+
+    def components(self) -> Sequence[ComponentEntry]:
+        work = self.work()
+        return list_components(
+            work.program, work.linked.code, work.stages.graphs, self._by_path)
+
+    def build(self, variant: Variant, backend: Backend) -> Mapping[str, Scan]:
+        if variant != Variant() or backend is not _python:
+            return self._build(variant, backend)
+        if self._plain is None:
+            self._plain = self._build(variant, backend)
+        return self._plain
+
+    def _build(self, variant: Variant, backend: Backend) -> Mapping[str, Scan]:
+        work = self.work()
+        code = work.linked.code
         if variant.observed:
-            chosen = link_code(program, {**lower(build_sequences(stages)), **stages.texts})
-        return by(chosen, index, component_index, variant, form)
+            code = link_code(work.program, {
+                **lower(build_sequences(work.stages)), **work.stages.texts}).code
+        return backend(code, self._slots(), Later(self.components), variant, self._form,
+                       work.emitted if variant == Variant() else None)
 
-    executable = Executable(
-        name=program.name, backend=backend, slots=slots, make_state=form or list,
-        components=components, source_hash=source_hash, build=build,
-        entries=tuple(_entry(program, body) for body in program.bodies), by_path=by_path,
-        tasks=tasks, rungs=list_rungs(program),
-        routines=list_routines(code, index),
-        lanes=None if form is None else lambda: _lanes(code, index, slots))
-    return Compilation(
-        executable=executable, code=code,
-        diagnostics=missing + stages.diagnostics + check_coils(code, components),
-        first=build if form is None else lambda variant: build(variant, _python),
-        native=None if form is None else lambda: _emit_native(
-            code, index, component_index, Variant(), form))
+    def native(self) -> tuple[NativeProgram, Mapping[str, Scan]]:
+        assert self._form is not None
+        return _emit_native(self.work().linked.code, self._slots(), Later(self.components),
+                            Variant(), self._form)
+
+    def lanes(self, slots: Sequence[Slot]) -> Lanes | None:
+        return _lanes(self.work().linked.code, self._slots(), slots)
+
+    def _slots(self) -> Slots:
+        return {path: slot.index for path, slot in self._by_path.items()}
 
 
 def _available(program: Program, backend: str) -> tuple[str, tuple[Diagnostic, ...]]:
@@ -164,16 +274,22 @@ def check_program(program: Program, *, stubs: bool = False) -> tuple[Diagnostic,
 
 # -- the stages -----------------------------------------------------------------------------
 
-def analyse(program: Program) -> Stages:
+def analyse(program: Program, earlier: Work | None = None) -> Stages:
     """Resolve names, analyse connections and build the graphs, as far as errors allow."""
-    symbols, found = resolve_symbols(program)
+    symbols, found = resolve_symbols(
+        program, None if earlier is None else (earlier.program, earlier.stages.symbols))
     found = program.warnings + found
-    wirings: dict[str, Sequence[Wiring]] = {}
+    wirings: dict[str, Sequence[Wiring | None]] = {}
+    noted: set[int] = set()
     for pou in _pous(program):
         if is_imported(pou):
             continue
-        wirings[pou_key(pou)], wrong = _collect(
-            analyse_connections(rung, ends_in_output=not _is_inline(pou)) for rung in pou.rungs)
+        key = pou_key(pou)
+        same = _Same.of(earlier, symbols, key)
+        wirings[key], wrong = _collect(noted, (
+            (rung, (None, ()) if same.place(rung) is not None else
+             analyse_connections(rung, ends_in_output=not _is_inline(pou)))
+            for rung in pou.rungs))
         if _is_inline(pou) and not pou.rungs:
             wrong = (problem('L0305', pou.location, f'{pou.name} is called inline and has no rung',
                              reason='draw a rung in the composite'),)
@@ -183,11 +299,12 @@ def analyse(program: Program) -> Stages:
     graphs: dict[str, Sequence[Aov]] = {}
     texts: dict[str, Sequence[Network]] = {}
     if not has_errors(found):
-        graphs, wrong = _build_graphs(program, symbols, wirings)
+        graphs, wrong = _build_graphs(program, symbols, wirings, noted, earlier)
         found += wrong
-        found += _lower_imported(program, symbols, graphs, texts)
+        if any(is_imported(pou) or pou.unsupported for pou in _pous(program)):
+            found += _lower_imported(program, symbols, graphs, texts)
     return Stages(symbols=symbols, wirings=wirings, graphs=graphs, texts=texts,
-                  diagnostics=_in_order(found))
+                  diagnostics=_in_order(found), noted=frozenset(noted))
 
 
 def _lower_imported(
@@ -212,7 +329,8 @@ def _lower_imported(
 
 
 def _build_graphs(
-    program: Program, symbols: Symbols, wirings: Mapping[str, Sequence[Wiring]],
+    program: Program, symbols: Symbols, wirings: Mapping[str, Sequence[Wiring | None]],
+    noted: set[int], earlier: Work | None,
 ) -> tuple[dict[str, Sequence[Aov]], tuple[Diagnostic, ...]]:
     graphs: dict[str, Sequence[Aov]] = {}
     inline: dict[str, Sequence[Aov]] = {}
@@ -222,13 +340,55 @@ def _build_graphs(
         if is_imported(pou):
             continue
         key = pou_key(pou)
-        aovs, wrong = _collect(
-            build_aov(wiring, symbols.of_rung(key, wiring.rung.id)) for wiring in wirings[key])
-        graphs[key] = [expand_inline(aov, inline) for aov in aovs]
+        same = _Same.of(earlier, symbols, key)
+        made: list[Aov] = []
+        for rung, wiring in zip(pou.rungs, wirings[key], strict=True):
+            place = same.place(rung)
+            if place is not None and not _uses(rung, inline):
+                made.append(same.graphs[place])
+                continue
+            if wiring is None:
+                wiring, _ = analyse_connections(rung, ends_in_output=not _is_inline(pou))
+            aov, wrong = build_aov(wiring, symbols.of_rung(key, rung.id))
+            if wrong:
+                noted.add(id(rung))
+            made.append(expand_inline(aov, inline))
+            found += wrong
+        graphs[key] = made
         if _is_inline(pou):
             inline[pou.name.casefold()] = graphs[key]
-        found += wrong
     return graphs, found
+
+
+def _uses(rung: Rung, composites: Mapping[str, object]) -> bool:
+    """Say whether a rung has an instance of one of the composites (by casefolded name)."""
+    return bool(composites) and any(
+        isinstance(c, Instance) and c.composite.casefold() in composites
+        for c in rung.components)
+
+
+class _Same:
+    """The rungs of a POU that are as they were in an earlier compilation, and its work on them."""
+
+    def __init__(
+        self, places: Mapping[int, int], noted: Container[int] = (),
+        graphs: Sequence[Aov] = (),
+    ) -> None:
+        self._places = places
+        self._noted = noted
+        self.graphs = graphs
+
+    @classmethod
+    def of(cls, earlier: Work | None, symbols: Symbols, key: str) -> _Same:
+        """Return those of the POU of a key."""
+        if earlier is None or key not in symbols.same:
+            return cls({})
+        stages = earlier.stages
+        return cls(symbols.same[key], stages.noted, stages.graphs[key])
+
+    def place(self, rung: Rung) -> int | None:
+        """Return the place of a rung among the POU's then; None: it has to be compiled."""
+        return None if id(rung) in self._noted else self._places.get(id(rung))
 
 
 def build_trees(
@@ -245,6 +405,28 @@ def build_trees(
             storage = access_key(program, pou)
             trees[key] = [reduce_to_tree(aov, storage) for aov in stages.graphs[key]]
     return trees
+
+
+def code_rungs(
+    program: Program, stages: Stages, earlier: Work | None = None,
+) -> dict[str, Sequence[Network]]:
+    """Return each POU's code; as ``lower(build_trees(program, stages))``."""
+    coded: dict[str, Sequence[Network]] = {}
+    is_stored_alike = earlier is not None and (
+        [v for v in earlier.program.variables if v.address]
+        == [v for v in program.variables if v.address])
+    for pou in _pous(program):
+        key = pou_key(pou)
+        if key not in stages.graphs or _is_inline(pou):
+            continue
+        known: dict[int, Network] = {}
+        if earlier is not None and is_stored_alike and key in stages.symbols.same:
+            known = {id(aov): network for aov, network in zip(
+                earlier.stages.graphs[key], earlier.coded[key], strict=True)}
+        storage = access_key(program, pou)
+        coded[key] = [known.get(id(aov)) or code_rung(aov, storage)
+                      for aov in stages.graphs[key]]
+    return coded
 
 
 def build_sequences(stages: Stages) -> dict[str, Sequence[Forest]]:
@@ -273,13 +455,17 @@ def _entry(program: Program, body: Body) -> Entry:
         priority=task.priority if task else 0, task=task.name if task else '')
 
 
-def _collect(results: Iterable[tuple[_T, tuple[Diagnostic, ...]]]) -> tuple[
-        list[_T], tuple[Diagnostic, ...]]:
+def _collect(
+    noted: set[int], results: Iterable[tuple[Rung, tuple[_T, tuple[Diagnostic, ...]]]],
+) -> tuple[list[_T], tuple[Diagnostic, ...]]:
+    """Return what was made of rungs, and what was said; which of them is added to ``noted``."""
     made: list[_T] = []
     found: list[Diagnostic] = []
-    for result, wrong in results:
+    for rung, (result, wrong) in results:
         made.append(result)
-        found += wrong
+        if wrong:
+            noted.add(id(rung))
+            found += wrong
     return made, tuple(found)
 
 
@@ -289,28 +475,40 @@ def _in_order(found: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
 
 # -- backends -------------------------------------------------------------------------------
 
-Names = Mapping[str, int]
-"""Indices by name: slots by casefolded path, components by path."""
+Slots = Mapping[str, int]
+"""Indices by casefolded path."""
+
+Components = Sequence[ComponentEntry]
+"""What power flow is observed of."""
 
 
 def _python(
-    code: InstructionList, slots: Names, components: Names, variant: Variant,
-    form: StateForm | None,
+    code: InstructionList, slots: Slots, components: Components, variant: Variant,
+    form: StateForm | None, emitted: Emitted | None = None,
 ) -> Mapping[str, Scan]:
-    source = emit_python(code, slots, components, observed=variant.observed, forced=variant.forced)
-    return load_python(source, '<ladder program>')
+    functions, pieces = emit_python(
+        code, slots, _indices(components) if variant.observed else {},
+        observed=variant.observed, forced=variant.forced,
+        earlier=emitted.pieces if emitted is not None else None)
+    if emitted is not None:
+        emitted.pieces = pieces
+    return functions
 
 
 def _interpreter(
-    code: InstructionList, slots: Names, components: Names, variant: Variant,
-    form: StateForm | None,
+    code: InstructionList, slots: Slots, components: Components, variant: Variant,
+    form: StateForm | None, emitted: Emitted | None = None,
 ) -> Mapping[str, Scan]:
-    return interpret_il(code, slots, components, variant.forced)
+    return interpret_il(code, slots, _indices(components), variant.forced)
+
+
+def _indices(components: Components) -> Mapping[str, int]:
+    return {entry.path: entry.index for entry in components}
 
 
 def _native(
-    code: InstructionList, slots: Names, components: Names, variant: Variant,
-    form: StateForm | None,
+    code: InstructionList, slots: Slots, components: Components, variant: Variant,
+    form: StateForm | None, emitted: Emitted | None = None,
 ) -> Mapping[str, Scan]:
     assert form is not None
     if variant.observed:
@@ -322,7 +520,7 @@ def _native(
         program, [make_object(text, cached) for text in program.modules], rest)
 
 
-def _lanes(code: InstructionList, index: Names, slots: Sequence[Slot]) -> Lanes | None:
+def _lanes(code: InstructionList, index: Slots, slots: Sequence[Slot]) -> Lanes | None:
     """Return many copies of a program, or None if that is impossible."""
     layout = arrange_lanes(slots)
     program = emit_native(code, index, layout, lanes=LANES)
@@ -334,7 +532,7 @@ def _lanes(code: InstructionList, index: Names, slots: Sequence[Slot]) -> Lanes 
 
 
 def _emit_native(
-    code: InstructionList, slots: Names, components: Names, variant: Variant, form: StateForm,
+    code: InstructionList, slots: Slots, components: Components, variant: Variant, form: StateForm,
 ) -> tuple[NativeProgram, Mapping[str, Scan]]:
     """Emit native code; return it, and the scan functions of what it leaves to Python."""
     program = emit_native(code, slots, form.layout, variant.forced)
@@ -342,7 +540,8 @@ def _emit_native(
 
 
 Backend = Callable[
-    [InstructionList, Names, Names, Variant, 'StateForm | None'], Mapping[str, Scan]]
+    [InstructionList, Slots, Components, Variant, 'StateForm | None', 'Emitted | None'],
+    Mapping[str, Scan]]
 
 BACKENDS: Mapping[str, Backend] = {
     'python': _python, 'interpreter': _interpreter, 'native': _native}

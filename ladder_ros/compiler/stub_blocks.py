@@ -90,7 +90,8 @@ class _Stubber:
             for component in rung.components))
 
     def _is_unknown(self, component: Component) -> bool:
-        return (isinstance(component, Block) and component.type.upper() not in CATALOGUE
+        return (isinstance(component, Block) and not component.statements
+                and component.type.upper() not in CATALOGUE
                 and component.type.casefold() not in self.known)
 
     def _stub(

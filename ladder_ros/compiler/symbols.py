@@ -125,6 +125,13 @@ class Symbols:
     scopes: Mapping[str, Scope]
     resolved: Mapping[tuple[str, str], Mapping[str, Resolved]]
     composites: tuple[Composite, ...] = ()
+    same: Mapping[str, Mapping[int, int]] = field(default_factory=dict)
+    """Rungs that are, and mean, what they did in an earlier compilation, by POU key.
+
+    By ``id`` of the rung, its place in the POU then.
+    """
+    noted: frozenset[int] = frozenset()
+    """The rungs, by ``id``, about whose names something was said."""
 
     def of_rung(self, pou: str, rung: str) -> Mapping[str, Resolved]:
         """Return what the components of a rung refer to, by casefolded id."""

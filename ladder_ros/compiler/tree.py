@@ -145,12 +145,12 @@ def leaves(tree: Tree) -> Iterator[Leaf | Pin | Load | Save]:
             yield node
 
 
-def pin_operand(pin: Pin) -> Ref:
+def pin_operand(symbol: SymbolVertex, pin: str) -> Ref:
     """Return the variable that holds what a block's further power output gave last."""
-    for name, ref in pin.symbol.resolved.outputs:
-        if name == pin.pin and isinstance(ref, Ref) and '%data' in ref.path:
+    for name, ref in symbol.resolved.outputs:
+        if name == pin and isinstance(ref, Ref) and '%data' in ref.path:
             return ref
-    return Ref(path=f'{pin.symbol.instance}.{pin.pin}', type=DataType.BOOL)
+    return Ref(path=f'{symbol.instance}.{pin}', type=DataType.BOOL)
 
 
 def print_tree(tree: Tree) -> Iterator[str]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ladder_ros.compiler.aov import SymbolVertex
+from ladder_ros.compiler.aov import Aov, SymbolVertex
 from ladder_ros.compiler.il import Call, Instruction, Network, Op, temporary
 from ladder_ros.compiler.symbols import Literal, Operand, Ref
 from ladder_ros.compiler.tree import (
@@ -64,23 +64,73 @@ _STORE = {
 }
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Evaluate:
+    """A step of a plan: evaluate a component, or read a pin of it.
+
+    ``operator`` is LD, AND or OR for a pin or contact, empty for what power flows through.
+    """
+
+    node: Leaf | Pin
+    operator: str = ''
+
+
+Plan = tuple[Instruction | Evaluate, ...]
+"""A rung's code without its operands: the same for all rungs whose graphs are alike."""
+
+
 def lower_to_il(forest: Forest) -> Network:
     """Return the rung's code."""
-    lowering = _Lowering()
-    for tree in forest.trees:
-        if lowering.code:
-            lowering.code.append(_BARE[Op.DRP])
-        lowering.lower(tree)
+    code = _executed(plan_code(forest), None)
     jumps = sorted((
         leaf.symbol for tree in forest.trees for leaf in leaves(tree)
         if isinstance(leaf, Leaf) and isinstance(leaf.symbol.component, Jump)),
         key=lambda symbol: symbol.id)
     if jumps:
-        lowering.code.append(_BARE[Op.DRP])
+        code.append(_BARE[Op.DRP])
     for symbol in jumps:
-        lowering.code += _jump_instructions(symbol)
-    return Network(rung=forest.rung, code=tuple(lowering.code), comment=forest.comment,
+        code += _jump_instructions(symbol)
+    return Network(rung=forest.rung, code=tuple(code), comment=forest.comment,
                    labels=forest.labels)
+
+
+def plan_code(forest: Forest) -> Plan:
+    """Return what the code of the forest is made from."""
+    lowering = _Lowering()
+    for tree in forest.trees:
+        if lowering.code:
+            lowering.code.append(_BARE[Op.DRP])
+        lowering.lower(tree)
+    return tuple(lowering.code)
+
+
+def lower_alike(plan: Plan, aov: Aov) -> Network:
+    """Return a rung's code by the plan of another one, whose graph is of the same likeness."""
+    return Network(rung=aov.rung, code=tuple(_executed(plan, aov.symbols)), comment=aov.comment)
+
+
+def _executed(plan: Plan, symbols: Sequence[SymbolVertex] | None) -> list[Instruction]:
+    """Return the instructions of a plan, for other components than those that it names."""
+    code: list[Instruction] = []
+    for step in plan:
+        if isinstance(step, Instruction):
+            code.append(step)
+            continue
+        node = step.node
+        symbol = node.symbol if symbols is None else symbols[node.symbol.id]
+        if isinstance(node, Pin):
+            code.append(Instruction(op=Op(step.operator), operand=pin_operand(symbol, node.pin)))
+            continue
+        if symbol.prelude:
+            code += symbol.prelude
+        component = symbol.component
+        if isinstance(component, Contact):
+            code.append(Instruction(
+                op=_CONTACT[step.operator, component.kind], operand=symbol.resolved.operand,
+                memory=symbol.memory, component=symbol.path))
+        else:
+            code += _transfer_instructions(symbol, node.power_pins)
+    return code
 
 
 def _jump_instructions(symbol: SymbolVertex) -> list[Instruction]:
@@ -105,40 +155,43 @@ class _Continue:
     tree: Tree
 
 
+_Work = _Start | _Continue | Instruction | Evaluate
+
+
 @dataclass(slots=True)
 class _Lowering:
-    code: list[Instruction] = field(default_factory=list)
+    code: list[Instruction | Evaluate] = field(default_factory=list)
     conditions: dict[int, bool] = field(default_factory=dict)
 
     def lower(self, tree: Tree) -> None:
         """Emit a tree that starts at the left rail.  Works off a stack: trees may be deep."""
         self.conditions = _conditions(tree)
-        pending: list[_Start | _Continue | Instruction] = [_Start(tree)]
+        pending: list[_Work] = [_Start(tree)]
         while pending:
             work = pending.pop()
-            if isinstance(work, Instruction):
-                self.code.append(work)
-            elif isinstance(work, _Start):
+            if isinstance(work, _Start):
                 pending.extend(reversed(self._start(work.tree)))
-            else:
+            elif isinstance(work, _Continue):
                 pending.extend(reversed(self._continue(work.tree)))
+            else:
+                self.code.append(work)
 
-    def _start(self, tree: Tree) -> list[_Start | _Continue | Instruction]:
+    def _start(self, tree: Tree) -> list[_Work]:
         if isinstance(tree, And):
             return [_Start(tree.left), _Continue(tree.right)]
         if isinstance(tree, Or):
-            single = _contact_instruction(tree.right, 'OR')
+            single = _contact(tree.right, 'OR')
             if single is not None:
-                return [_Start(tree.left), *_prelude(tree.right), single]
+                return [_Start(tree.left), single]
             return [_Start(tree.left), _Start(tree.right), _BARE[Op.ORB]]
         if isinstance(tree, Load):
             return [Instruction(op=Op.LD, operand=temporary(tree.temporary))]
-        single = _contact_instruction(tree, 'LD')
+        single = _contact(tree, 'LD')
         if single is not None:
-            return [*_prelude(tree), single]
+            return [single]
         return [Instruction(op=Op.LD, operand=_TRUE), _Continue(tree)]
 
-    def _continue(self, tree: Tree) -> list[_Start | _Continue | Instruction]:
+    def _continue(self, tree: Tree) -> list[_Work]:
         if isinstance(tree, And):
             return [_Continue(tree.left), _Continue(tree.right)]
         if isinstance(tree, Or):
@@ -153,14 +206,11 @@ class _Lowering:
             cell = temporary(tree.temporary)
             store = Instruction(op=Op.ST, operand=cell)
             return [Instruction(op=Op.OR, operand=cell), store] if tree.joins else [store]
-        single = _contact_instruction(tree, 'AND')
-        if single is not None:
-            return [*_prelude(tree), single]
-        assert isinstance(tree, Leaf)
-        return [*_prelude(tree), *_transfer_instructions(tree)]
+        assert isinstance(tree, (Leaf, Pin))
+        return [_contact(tree, 'AND') or Evaluate(node=tree)]
 
     @staticmethod
-    def _parallel(tree: Or) -> list[_Start | _Continue | Instruction]:
+    def _parallel(tree: Or) -> list[_Work]:
         """Give each branch the root's power; branches are the leaves of a chain of ORs."""
         branches: list[Tree] = [tree.right]
         left = tree.left
@@ -169,7 +219,7 @@ class _Lowering:
             left = left.left
         branches.append(left)
         branches.reverse()
-        work: list[_Start | _Continue | Instruction] = [
+        work: list[_Work] = [
             _BARE[Op.MPS], _Continue(branches[0])]
         for branch in branches[1:]:
             load = Op.LPP if branch is branches[-1] else Op.LRD
@@ -177,8 +227,8 @@ class _Lowering:
         return work
 
     @staticmethod
-    def _fork(tree: Fork) -> list[_Start | _Continue | Instruction]:
-        work: list[_Start | _Continue | Instruction] = [
+    def _fork(tree: Fork) -> list[_Work]:
+        work: list[_Work] = [
             _BARE[Op.MPS], _Continue(tree.branches[0])]
         last = len(tree.branches) - 1
         for index, branch in enumerate(tree.branches[1:], start=1):
@@ -204,26 +254,17 @@ def _conditions(tree: Tree) -> dict[int, bool]:
     return found
 
 
-def _contact_instruction(tree: Tree, base: str) -> Instruction | None:
-    """Return the one instruction for a contact, or None if the tree is something else."""
-    if isinstance(tree, Pin):
-        return Instruction(op=Op(base), operand=pin_operand(tree))
-    if not isinstance(tree, Leaf):
-        return None
-    symbol = tree.symbol
-    if not isinstance(symbol.component, Contact):
-        return None
-    return Instruction(
-        op=_CONTACT[base, symbol.component.kind], operand=symbol.resolved.operand,
-        memory=symbol.memory, component=symbol.path)
+def _contact(tree: Tree, operator: str) -> Evaluate | None:
+    """Return the step that reads a contact or a pin, or None if the tree is something else."""
+    if isinstance(tree, Pin) or (
+            isinstance(tree, Leaf) and isinstance(tree.symbol.component, Contact)):
+        return Evaluate(node=tree, operator=operator)
+    return None
 
 
-def _prelude(tree: Tree) -> tuple[Instruction, ...]:
-    return tree.symbol.prelude if isinstance(tree, Leaf) else ()
-
-
-def _transfer_instructions(leaf: Leaf) -> list[Instruction]:
-    symbol = leaf.symbol
+def _transfer_instructions(
+    symbol: SymbolVertex, power_pins: Sequence[tuple[str, int]],
+) -> list[Instruction]:
     component = symbol.component
     if isinstance(component, Coil):
         return [Instruction(op=_STORE[component.kind], operand=symbol.resolved.operand,
@@ -235,7 +276,7 @@ def _transfer_instructions(leaf: Leaf) -> list[Instruction]:
         call = Call(name=component.composite, instance=symbol.instance,
                     inputs=symbol.resolved.inputs)
         op = Op.RUN if symbol.is_block else Op.EXE
-        return [*_copies(symbol, leaf.power_pins),
+        return [*_copies(symbol, power_pins),
                 Instruction(op=op, call=call, component=symbol.path)]
     assert isinstance(component, Block)
     if component.type == '%NOT':
@@ -244,13 +285,13 @@ def _transfer_instructions(leaf: Leaf) -> list[Instruction]:
         return _execute(symbol)
     kind = CATALOGUE[symbol.resolved.block or component.type.upper()]
     bound: dict[str, Operand] = dict(symbol.resolved.inputs)
-    bound.update((pin, temporary(number)) for pin, number in leaf.power_pins)
+    bound.update((pin, temporary(number)) for pin, number in power_pins)
     known = [pin.name for pin in kind.inputs]
     inputs = tuple((pin, bound[pin]) for pin in sorted(
         bound, key=lambda pin: known.index(pin) if pin in known else _further(pin)))
     call = Call(name=kind.name, instance=symbol.instance, type=symbol.resolved.type,
                 inputs=inputs, outputs=symbol.resolved.outputs)
-    kept = [pin for pin in leaf.power_pins if pin[0] in known] if symbol.keeps_inputs else []
+    kept = [pin for pin in power_pins if pin[0] in known] if symbol.keeps_inputs else []
     return [*_copies(symbol, kept), Instruction(
         op=Op.FUN if kind.is_function else Op.CAL, call=call, component=symbol.path)]
 

@@ -36,6 +36,8 @@ _ALIKE = 4096
 _DRAWINGS = 1024
 """So many drawings are known again, in whichever rung: most rungs are drawn like others."""
 
+_REMEMBER = (ContactKind.RISING, ContactKind.FALLING, CoilKind.RISING, CoilKind.FALLING)
+
 _Node = str | int
 """A part by its casefolded id, or a net by its number."""
 
@@ -52,7 +54,7 @@ def build_aov(
     return builder.run(), tuple(builder.found)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Plan:
     """A graph without its components; ``order`` gives their places among the wiring's parts."""
 
@@ -102,11 +104,11 @@ class _Builder:
                 self.resolved[part.component.id.casefold()].sources for part in wiring.parts):
             plan = _known_plan(_Drawing(
                 likeness=wiring.likeness, wiring=wiring, resolved=self.resolved))
-        plan = plan or self.plan()
+        likeness, plan = plan, plan or self.plan()
         symbols = tuple([
             self._symbol(wiring.parts[place], number) for number, place in enumerate(plan.order)])
         return Aov(rung=wiring.rung.id, comment=wiring.rung.comment, symbols=symbols,
-                   virtuals=plan.virtuals, arcs=plan.arcs)
+                   virtuals=plan.virtuals, arcs=plan.arcs, likeness=likeness)
 
     def plan(self) -> _Plan:
         wiring = self.wiring
@@ -168,19 +170,22 @@ class _Builder:
 
     def _symbol(self, part: Part, number: int) -> SymbolVertex:
         component = part.component
-        memory = None
-        if _remembers(component):
-            memory = edge_memory(self.wiring.rung.id, component.id)
-        instance = component.instance if isinstance(component, (Block, Instance)) else ''
-        return SymbolVertex(
-            id=number, path=component.id, component=component, instance=instance, memory=memory,
-            resolved=self._with_data_outputs(part))
-
-    def _with_data_outputs(self, part: Part) -> Resolved:
-        """Give a function whose outputs are read directly its hidden variables for them."""
-        component = part.component
         resolved = self.resolved[component.id.casefold()]
-        kind = CATALOGUE.get(component.type.upper()) if isinstance(component, Block) else None
+        if isinstance(component, (Contact, Coil)):
+            memory = None
+            if component.kind in _REMEMBER:
+                memory = edge_memory(self.wiring.rung.id, component.id)
+            return SymbolVertex(id=number, path=component.id, component=component,
+                                resolved=resolved, memory=memory)
+        if isinstance(component, Block):
+            resolved = self._with_data_outputs(part, component, resolved)
+        instance = component.instance if isinstance(component, (Block, Instance)) else ''
+        return SymbolVertex(id=number, path=component.id, component=component,
+                            resolved=resolved, instance=instance)
+
+    def _with_data_outputs(self, part: Part, component: Block, resolved: Resolved) -> Resolved:
+        """Give a function whose outputs are read directly its hidden variables for them."""
+        kind = CATALOGUE.get(component.type.upper())
         if kind is None or not kind.is_function:
             return resolved
         if self._wanted is None:
@@ -263,12 +268,6 @@ def _sources(component: Component) -> set[str]:
 def _has_state(component: Component) -> bool:
     return isinstance(component, Instance) or (
         isinstance(component, Block) and bool(component.instance))
-
-
-def _remembers(component: Component) -> bool:
-    if isinstance(component, Contact):
-        return component.kind in (ContactKind.RISING, ContactKind.FALLING)
-    return isinstance(component, Coil) and component.kind in (CoilKind.RISING, CoilKind.FALLING)
 
 
 def _topological_order(

@@ -29,6 +29,7 @@ from ladder_ros.model.component import (
     Jump,
     Label,
     OutVariable,
+    power_pins,
     Row,
 )
 from ladder_ros.model.program import CallKind, Composite, Rung
@@ -81,9 +82,9 @@ def find_flow(
             if leaving is None:
                 leaving = _leaving(component, arriving, live, composites)
             power[nets.find((right, y, False))].append(leaving)
-            if isinstance(component, Block):
-                for pin in component.outputs:
-                    if pin.row:
+            if isinstance(component, (Block, Instance)):
+                for enters, pin in power_pins(component):
+                    if pin.row and not enters:
                         power[nets.find((right, y + pin.row, False))].append(
                             _pin_power(component, pin, live))
 
@@ -160,5 +161,5 @@ def _leaving(
             assert_never(component)
 
 
-def _pin_power(block: Block, pin: Argument, live: Live) -> Power:
+def _pin_power(block: Block | Instance, pin: Argument, live: Live) -> Power:
     return live.truth(f'{block.instance}.{pin.pin}') if block.instance else None

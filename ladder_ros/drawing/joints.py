@@ -12,7 +12,7 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from ladder_ros.model.component import Block, Column, Component
+from ladder_ros.model.component import Column, Component, power_pins
 
 Point = tuple[int, int]
 """(grid line, row)."""
@@ -120,9 +120,8 @@ def series_ends(component: Component) -> Iterator[Point]:
     y = component.placement.y
     yield left, y
     yield right, y
-    if isinstance(component, Block):
-        yield from ((left, y + pin.row) for pin in component.inputs if pin.row)
-        yield from ((right, y + pin.row) for pin in component.outputs if pin.row)
+    yield from ((left if enters else right, y + pin.row)
+                for enters, pin in power_pins(component) if pin.row)
 
 
 def _joining(component: Component, *, up: bool) -> Iterator[int]:

@@ -16,7 +16,7 @@ from typing_extensions import assert_never
 from ladder_ros.drawing.canvas import text_width
 from ladder_ros.drawing.joints import Joints, lines_of, rows_of
 from ladder_ros.drawing.shapes import Box, Pin, Shape, Symbol, Wire
-from ladder_ros.model.component import Block, Column, Component
+from ladder_ros.model.component import Column, Component, power_pins
 from ladder_ros.model.program import Rung
 
 WIRE_WIDTH = 3
@@ -77,10 +77,8 @@ def grid_of(rung: Rung) -> Grid:
         lines.update(lines_of(component))
         first, last = rows_of(component)
         rows.update((first, last))
-        if isinstance(component, Block):
-            pins = component.inputs + component.outputs
-            rows.update(first + pin.row for pin in pins if pin.row and first + pin.row <= last
-                        and pin.row > 0)
+        rows.update(first + pin.row for _, pin in power_pins(component)
+                    if pin.row and 0 < pin.row <= last - first)
     ordered_lines, ordered_rows = tuple(sorted(lines)), tuple(sorted(rows or {0}))
     return Grid(
         lines=ordered_lines, rows=ordered_rows,

@@ -42,3 +42,45 @@ figure, tr { break-inside: avoid }
 figure { overflow: visible }
 figure svg { max-width: 100%; height: auto }
 }""".strip()
+
+DIFFERENCE_STYLE = """
+body.difference { max-width: none }
+.names, .sides { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr);
+  gap: 0 1.5em }
+.names { margin-bottom: 0.3em }
+.difference thead th:first-child { width: 2em }
+.wide .sides { grid-template-columns: minmax(0, 1fr) }
+section.rung { margin: 1em 0; border-left: 4px solid #d1d9e0; padding-left: 0.8em }
+section.rung h3 { margin: 0; font-size: 15px }
+section.rung ul { list-style: none; margin: 0.2em 0; padding: 0 }
+.sign { display: inline-block; min-width: 1.3em; text-align: center; font-weight: bold;
+  border: 1px solid #59636e; color: #1f2328 }
+.legend .sign:not(:first-child) { margin-left: 1.2em }
+.added { background: #c8f0d0 }
+.removed { background: #ffd3d0 }
+.changed, .renamed { background: #fff0b3 }
+.moved { background: #cfe3ff }
+section.rung { background: none }
+section.added { border-color: #1a7f37 }
+section.removed { border-color: #cf222e }
+section.changed { border-color: #bf8700 }
+section.moved { border-color: #0550ae }
+details { margin: 0.6em 0; color: #59636e }
+summary { cursor: pointer }
+.texts { table-layout: fixed; width: 100% }
+.texts td { border: none; padding: 0 0.5em; overflow-wrap: anywhere }
+.texts code { white-space: pre-wrap; font-size: 13px }
+@media screen and (prefers-color-scheme: dark) {
+.sign { color: #e6edf3; border-color: #9198a1 }
+.added { background: #12442a }
+.removed { background: #5c1f22 }
+.changed, .renamed { background: #4d3d0a }
+.moved { background: #163760 }
+section.rung { background: none }
+details { color: #9198a1 }
+}
+@media print {
+.sign, .added, .removed, .changed, .moved { print-color-adjust: exact }
+section.rung { break-inside: avoid }
+}""".strip()
+"""What a page about two programs adds."""

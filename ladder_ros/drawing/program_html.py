@@ -15,7 +15,7 @@ from ladder_ros.diagnostics import Diagnostic, Location
 from ladder_ros.drawing.captions import text_lines
 from ladder_ros.drawing.glyphs import UNICODE
 from ladder_ros.drawing.page_style import PAGE_STYLE
-from ladder_ros.drawing.program_svg import pou_pictures
+from ladder_ros.drawing.program_svg import PLAIN, pou_pictures, pou_prefix, ProgramStyle
 from ladder_ros.drawing.rung_svg import component_anchor, Picture, rung_anchor
 from ladder_ros.drawing.svg_sheet import anchor, markup, STYLE_SHEET
 from ladder_ros.model.component import Instance
@@ -41,7 +41,8 @@ Row = Sequence[str]
 class Report:
     """What a page tells: a program whose rungs are on our grid, and what is known of it.
 
-    ``facts`` stand in the header; ``measures`` by casefolded composite below its specification.
+    ``facts`` stand in the header; ``measures`` by casefolded composite below its specification;
+    ``style`` is that of the drawings.
     """
 
     program: Program
@@ -49,6 +50,7 @@ class Report:
     measures: Mapping[str, str] = field(default_factory=dict)
     diagnostics: Sequence[Diagnostic] = ()
     references: References = field(default_factory=dict)
+    style: ProgramStyle = PLAIN
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,11 +59,13 @@ class _Page:
 
     ``pictures`` of the rungs by whether the POU is a body, and its casefolded name.  ``rungs`` by
     casefolded POU and id; ``places`` are the rung and the XML id of each component, by casefolded
-    POU, rung and id, and by casefolded POU and id.
+    POU, rung and id, and by casefolded POU and id.  Of a body and a composite of one name, links
+    lead to the body.
     """
 
     report: Report
     pous: tuple[Pou, ...]
+    named: Mapping[str, Pou]
     pictures: Mapping[tuple[bool, str], tuple[Picture, ...]]
     rungs: frozenset[tuple[str, str]]
     places: Mapping[tuple[str, ...], tuple[str, str]]
@@ -72,16 +76,18 @@ def _page(report: Report) -> _Page:
     places: dict[tuple[str, ...], tuple[str, str]] = {}
     pictures: dict[tuple[bool, str], tuple[Picture, ...]] = {}
     for pou in pous:
-        drawn = tuple(pou_pictures(report.program, pou))
+        drawn = tuple(pou_pictures(report.program, pou, report.style))
         key = pou.name.casefold()
         pictures[isinstance(pou, Body), key] = tuple(picture for _, picture in drawn)
         for rung, picture in drawn:
             for component in picture.drawn:
-                place = rung, component_anchor(pou.name, rung, component)
-                places[key, rung, component] = place
+                place = rung, component_anchor(
+                    pou.name, rung, component, pou_prefix(pou))
+                places.setdefault((key, rung, component), place)
                 places.setdefault((key, component), place)
     return _Page(
-        report=report, pous=pous, pictures=pictures, places=places,
+        report=report, pous=pous, named={pou.name.casefold(): pou for pou in reversed(pous)},
+        pictures=pictures, places=places,
         rungs=frozenset((pou.name.casefold(), rung.id) for pou in pous for rung in pou.rungs))
 
 
@@ -115,10 +121,10 @@ def _contents(page: _Page) -> Iterator[str]:
     program = page.report.program
     sections = [('diagnostics', 'Diagnostics', page.report.diagnostics),
                 ('tasks', 'Tasks', program.tasks), ('variables', 'Variables', program.variables)]
-    links = [f'<a href="#{name}">{text}</a>' for name, text, there in sections if there]
+    links = [f'<a href="#section.{name}">{text}</a>' for name, text, there in sections if there]
     for what, pous in (('bodies', program.bodies), ('composites', program.composites)):
         if pous:
-            names = ', '.join(_to_pou(pou.name) for pou in pous)
+            names = ', '.join(_to_pou(pou) for pou in pous)
             links.append(f'{what}: {names}')
     yield '<nav>' + ' | '.join(links) + '</nav>'
 
@@ -126,8 +132,8 @@ def _contents(page: _Page) -> Iterator[str]:
 def _diagnostics(page: _Page) -> Iterator[str]:
     if not page.report.diagnostics:
         return
-    yield '<h2 id="diagnostics">Diagnostics</h2>'
-    yield from _table(('code', 'where', 'what is wrong', 'what to do'), (
+    yield '<h2 id="section.diagnostics">Diagnostics</h2>'
+    yield from table(('code', 'where', 'what is wrong', 'what to do'), (
         (f'<span class="{one.severity.value}">{one.severity.value}</span> {markup(one.code)}',
          _where(page, one.location),
          markup(one.message) + (f'<br/>{markup(one.label)}' if one.label else ''),
@@ -138,8 +144,8 @@ def _tasks(page: _Page) -> Iterator[str]:
     tasks = page.report.program.tasks
     if not tasks:
         return
-    yield '<h2 id="tasks">Tasks</h2>'
-    yield from _table(
+    yield '<h2 id="section.tasks">Tasks</h2>'
+    yield from table(
         ('task', 'interval', 'at rising', 'priority', 'watchdog', 'bodies'),
         (_task_row(page.report.program, task) for task in tasks))
 
@@ -149,14 +155,14 @@ def _task_row(program: Program, task: Task) -> Row:
     watchdog = f'{format_time(task.watchdog)} \N{MULTIPLICATION SIGN} {task.sensitivity}'
     return (markup(task.name), format_time(task.interval) if task.interval else '',
             markup(task.single), str(task.priority), watchdog if task.watchdog else '',
-            ', '.join(_to_pou(body.name) for body in bodies))
+            ', '.join(_to_pou(body) for body in bodies))
 
 
 def _variables(page: _Page) -> Iterator[str]:
     if not page.report.program.variables:
         return
-    yield '<h2 id="variables">Variables</h2>'
-    yield from _table(
+    yield '<h2 id="section.variables">Variables</h2>'
+    yield from table(
         ('name', 'type', 'class', 'initial', 'address', 'comment', 'written at', 'read at'),
         (_variable_row(page, variable) for variable in page.report.program.variables))
 
@@ -174,9 +180,14 @@ def _variable_row(page: _Page, variable: Variable) -> Row:
 def _body(page: _Page, body: Body) -> Iterator[str]:
     when = 'once at start' if body.run is RunKind.ONCE else 'cyclic'
     task = f', task {markup(body.task)}' if body.task else ''
-    yield f'<h2 id="{anchor(body.name)}">Body {markup(body.name)} <small>{when}{task}</small></h2>'
+    yield f'<h2 id="{_pou_anchor(body)}">Body {markup(body.name)} <small>{when}{task}</small></h2>'
     yield from _paragraphs(body.comment)
-    yield from _instances(page, body, set())
+    # References know POUs by name alone: what a composite of this name declares is not here.
+    alike = [composite for composite in page.report.program.composites
+             if composite.name.casefold() == body.name.casefold()]
+    yield from _instances(page, body, {
+        *(parameter.name.casefold() for one in alike for parameter in one.parameters),
+        *(variable.name.casefold() for one in alike for variable in one.variables)})
     yield from _drawings(page, body)
 
 
@@ -185,7 +196,7 @@ def _composite(page: _Page, composite: Composite) -> Iterator[str]:
     held = ', holds while EN is FALSE' if composite.call is CallKind.BLOCK else ''
     name, kind = markup(composite.name), f'{composite.call.value}{held}'
     category = f', {markup(composite.category)}' if composite.category else ''
-    yield (f'<h2 id="{anchor(composite.name)}">Composite {name} '
+    yield (f'<h2 id="{_pou_anchor(composite)}">Composite {name} '
            f'<small>{kind}{category}</small></h2>')
     yield from _paragraphs(composite.specification)
     measure = page.report.measures.get(composite.name.casefold())
@@ -202,7 +213,7 @@ def _composite(page: _Page, composite: Composite) -> Iterator[str]:
     rows += [('local', variable.name, variable.type, variable.initial, variable.comment)
              for variable in composite.variables]
     if rows:
-        yield from _table(
+        yield from table(
             ('interface', 'name', 'type', 'initial', 'comment', 'written at', 'read at'),
             ((what, _name(text, composite.name, text), markup(type_name(type_)),
               _initial(type_, initial), markup(comment), *_uses(page, composite.name, text))
@@ -220,19 +231,20 @@ def _instances(page: _Page, pou: Pou, declared: set[str]) -> Iterator[str]:
             for (where, key), uses in page.report.references.items()
             if where == scope and key not in declared]
     if rows:
-        yield from _table(('instance', 'called at', 'used at'), rows)
+        yield from table(('instance', 'called at', 'used at'), rows)
 
 
 def _drawings(page: _Page, pou: Pou) -> Iterator[str]:
     if pou.unsupported:
         yield f'<p class="error">cannot run: {markup(pou.unsupported)}</p>'
     for picture in page.pictures[isinstance(pou, Body), pou.name.casefold()]:
-        yield from _figure(picture)
+        yield from figure(picture)
     if pou.statements:
         yield '<pre>' + '\n'.join(map(markup, text_lines(pou.statements, UNICODE))) + '</pre>'
 
 
-def _figure(picture: Picture) -> Iterator[str]:
+def figure(picture: Picture) -> Iterator[str]:
+    """Yield a picture as part of a page."""
     width, height = picture.width, picture.height
     yield (f'<figure><svg xmlns="http://www.w3.org/2000/svg" class="ladder" width="{width}" '
            f'height="{height}" viewBox="0 0 {width} {height}">')
@@ -246,7 +258,7 @@ def _paragraphs(text: str) -> Iterator[str]:
     yield from (f'<p>{markup(line)}</p>' for line in text.strip().splitlines() if line.strip())
 
 
-def _table(header: Row, rows: Iterable[Row]) -> Iterator[str]:
+def table(header: Row, rows: Iterable[Row]) -> Iterator[str]:
     """Yield a table without the columns that are empty in all rows."""
     filled = list(rows)
     shown = [at for at in range(len(header)) if any(row[at] for row in filled)]
@@ -264,7 +276,7 @@ def _initial(type_: Type, initial: Initial) -> str:
 
 def _name(text: str, scope: str, name: str) -> str:
     """Return a name that links can lead to."""
-    place = anchor('variable', scope.casefold(), name.casefold())
+    place = f'variable.{anchor(scope.casefold(), name.casefold())}'
     return f'<b id="{place}">{markup(text)}</b>'
 
 
@@ -283,21 +295,25 @@ def _link(page: _Page, use: Use) -> str:
     """Return a link to the component, where it is drawn; else to the POU."""
     pou, rung, component = use.pou.casefold(), use.rung, use.component
     if not component:
-        return _to_pou(use.pou)
+        return _to_pou(page.named[pou])
     # A value that is written at a pin of an imported drawing belongs to the block.
     owner = component.partition('-')[0]
     keys: tuple[tuple[str, ...], ...] = (
         (pou, rung, component), (pou, component), (pou, owner))
     found = next((page.places[key] for key in keys if key in page.places), None)
     if found is None:
-        return _to_pou(use.pou)
+        return _to_pou(page.named[pou])
     drawn, place = found
     text = markup(f'{use.pou}/{drawn}')
     return f'<a href="#{place}" title="{markup(component)}">{text}</a>'
 
 
-def _to_pou(name: str) -> str:
-    return f'<a href="#{anchor(name)}">{markup(name)}</a>'
+def _pou_anchor(pou: Pou) -> str:
+    return pou_prefix(pou) + anchor(pou.name)
+
+
+def _to_pou(pou: Pou) -> str:
+    return f'<a href="#{_pou_anchor(pou)}">{markup(pou.name)}</a>'
 
 
 def _where(page: _Page, location: Location) -> str:
@@ -305,10 +321,9 @@ def _where(page: _Page, location: Location) -> str:
     cell = f' cell ({location.cell[0]}, {location.cell[1]})' if location.cell else ''
     line = f'line {location.line}' if location.line is not None else ''
     text = markup('/'.join(filter(None, (location.pou, location.rung))) + cell or line)
-    known = {pou.name.casefold(): pou.name for pou in page.pous}
-    name = known.get(location.pou.casefold())
-    if name is None:
+    pou = page.named.get(location.pou.casefold())
+    if pou is None:
         return text
-    there = (name.casefold(), location.rung) in page.rungs
-    place = rung_anchor(name, location.rung) if there else anchor(name)
+    there = (pou.name.casefold(), location.rung) in page.rungs
+    place = rung_anchor(pou.name, location.rung, pou_prefix(pou)) if there else _pou_anchor(pou)
     return f'<a href="#{place}">{text}</a>'

@@ -7,20 +7,21 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from ladder_ros.drawing.canvas import text_width
+from ladder_ros.drawing.canvas import printable, text_width
 from ladder_ros.drawing.captions import pou_header, text_lines
 from ladder_ros.drawing.flow import Live
 from ladder_ros.drawing.glyphs import UNICODE
-from ladder_ros.drawing.rung_svg import Mark, Picture, rung_picture, SvgStyle
+from ladder_ros.drawing.rung_svg import Picture, rung_picture, SvgStyle
 from ladder_ros.drawing.shapes import Facts
 from ladder_ros.drawing.sketch import chosen_pous, common_width
 from ladder_ros.drawing.svg_sheet import document, LINE, Sheet
+from ladder_ros.model.difference import What
 from ladder_ros.model.program import Body, Composite, Pou, Program
 
 GAP = 14
 """Pixels between rungs."""
 
-Marks = Mapping[tuple[str, str], Mapping[str, Mark]]
+Marks = Mapping[tuple[str, str], Mapping[str, What]]
 """Marks by (casefolded POU, rung) and component id."""
 
 
@@ -29,9 +30,10 @@ class ProgramStyle:
     """How to draw a program; ``grid`` numbers grid lines and rows.
 
     ``values`` by casefolded variable and ``power`` by casefolded POU, rung and component colour
-    the power flow; without values there is none.
+    the power flow; without values there is none.  ``prefix`` stands before all ids.
     """
 
+    prefix: str = ''
     grid: bool = False
     values: Mapping[str, str] | None = None
     power: Mapping[str, Mapping[str, Mapping[str, bool]]] = field(default_factory=dict)
@@ -54,7 +56,9 @@ def program_svg(
         if rung is None:
             pictures.append(_heading(one, program.dialect != 'native'))
         pictures += (picture for _, picture in pou_pictures(program, one, style))
-        if one.statements:
+        if one.unsupported and rung is None:
+            pictures.append(_lines([f'    cannot run: {printable(one.unsupported, UNICODE)}']))
+        elif one.statements:
             pictures.append(_lines(['', *text_lines(one.statements, UNICODE)]))
     body: list[str] = []
     top = GAP
@@ -72,12 +76,21 @@ def pou_pictures(
     composites = {composite.name.casefold(): composite for composite in program.composites}
     addresses = {variable.name.casefold(): variable.address for variable in (
         program.variables if isinstance(pou, Body) else pou.variables) if variable.address}
-    plain = SvgStyle(pou=pou.name, grid=style.grid, addresses=addresses, live=_live(pou, style))
+    plain = SvgStyle(pou=pou.name, prefix=pou_prefix(pou, style.prefix), grid=style.grid,
+                     addresses=addresses, live=_live(pou, style))
     facts = Facts(addresses=addresses, values=plain.live.values if plain.live else {})
     plain = replace(plain, width=common_width(pou, composites, UNICODE, facts))
     for rung in pou.rungs:
         marks = style.marks.get((pou.name.casefold(), rung.id), {})
         yield rung.id, rung_picture(rung, composites, replace(plain, marks=marks))
+
+
+def pou_prefix(pou: Pou, before: str = '') -> str:
+    """Return what stands before the ids of a POU's drawings: a body may have a composite's name.
+
+    No id has a dot like this one in it.
+    """
+    return f'{before}composite.' if isinstance(pou, Composite) else before
 
 
 def _live(pou: Pou, style: ProgramStyle) -> Live | None:

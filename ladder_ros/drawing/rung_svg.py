@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from enum import Enum
 from textwrap import wrap
 
 from typing_extensions import assert_never
@@ -43,6 +42,7 @@ from ladder_ros.model.component import (
     Label,
     OutVariable,
 )
+from ladder_ros.model.difference import What
 from ladder_ros.model.program import Composite, Rung
 
 _LETTERS: Mapping[ContactKind | CoilKind, str] = {
@@ -55,32 +55,23 @@ _HALF_WIDTHS = {Contact: 0.75, Coil: 1, Jump: 1}
 """Where the wire ends at a symbol, in characters from its middle."""
 
 
-class Mark(Enum):
-    """What has become of a component, seen from another version of the program."""
-
-    ADDED = 'added'
-    REMOVED = 'removed'
-    CHANGED = 'changed'
-
-
-_SIGNS = {Mark.ADDED: '+', Mark.REMOVED: '\N{MINUS SIGN}', Mark.CHANGED: '~'}
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SvgStyle:
     """How to draw a rung.
 
-    ``pou`` is the drawing's name, for ids.  ``width`` is the least width from rail to rail, in
-    characters.  ``grid`` numbers grid lines and rows.  ``addresses`` are shown under operands, by
-    casefolded name.  ``live`` colours the power flow and adds values.  ``marks`` by component id.
+    ``pou`` is the drawing's name, for ids, and ``prefix`` stands before them.  ``width`` is the
+    least width from rail to rail, in characters.  ``grid`` numbers grid lines and rows.
+    ``addresses`` are shown under operands, by casefolded name.  ``live`` colours the power flow
+    and adds values.  ``marks`` tell what became of components, by id.
     """
 
     pou: str = ''
+    prefix: str = ''
     width: int = 0
     grid: bool = False
     addresses: Mapping[str, str] = field(default_factory=dict)
     live: Live | None = None
-    marks: Mapping[str, Mark] = field(default_factory=dict)
+    marks: Mapping[str, What] = field(default_factory=dict)
 
 
 PLAIN = SvgStyle()
@@ -109,14 +100,14 @@ def rung_svg(
     return document((picture.width, picture.height), title, picture.elements)
 
 
-def rung_anchor(pou: str, rung: str) -> str:
-    """Return the XML id of a rung."""
-    return anchor(pou, rung)
+def rung_anchor(pou: str, rung: str, prefix: str = '') -> str:
+    """Return the XML id of a rung; ``prefix`` is that of the style that it was drawn with."""
+    return prefix + anchor(pou, rung)
 
 
-def component_anchor(pou: str, rung: str, component: str) -> str:
-    """Return the XML id of a component."""
-    return anchor(pou, rung, component)
+def component_anchor(pou: str, rung: str, component: str, prefix: str = '') -> str:
+    """Return the XML id of a component; ``prefix`` is that of the style."""
+    return prefix + anchor(pou, rung, component)
 
 
 def rung_picture(
@@ -149,7 +140,8 @@ def _framed(
         sheet.text('rung' if at == 0 else '', -0.5, at, line)
     top = len(heading) + 0.4 + (1 if style.grid else 0)
     width = max((text_width(line) for line in heading), default=0)
-    lines = [f'<g class="rung" id="{rung_anchor(style.pou, rung.id)}">', *sheet.lines]
+    place = rung_anchor(style.pou, rung.id, style.prefix)
+    lines = [f'<g class="rung" id="{place}">', *sheet.lines]
     if drawing is not None:
         lines += drawing.draw(Sheet(left=sheet.left, top=round(sheet.top + top * LINE)))
         width = max(width, drawing.layout.width)
@@ -213,7 +205,8 @@ class _Drawing:
         kind = type(component).__name__.lower()
         if isinstance(placed.shape, Box) and placed.shape.is_composite:
             kind += ' composite'
-        name = component_anchor(self.style.pou, self.sketch.rung.id, component.id)
+        name = component_anchor(
+            self.style.pou, self.sketch.rung.id, component.id, self.style.prefix)
         sheet.add(f'<g class="component {kind}" id="{name}" data-cell="{place.x},{place.y}">')
         sheet.add(f'<title>{markup(self._title(component))}</title>')
         left, right = (self.layout.columns[x] for x in lines_of(component))
@@ -353,6 +346,7 @@ class _Drawing:
         above, below = 0.45, 0.45
         match placed.shape:
             case Symbol() as symbol:
+                left = symbol_start(placed, self.layout) - 1
                 above, below = len(symbol.label) + 0.45, len(symbol.below) + 0.45
             case Box() as box:
                 above = 2.45 if box.title else 1.45
@@ -364,7 +358,7 @@ class _Drawing:
         x, y = sheet.x(left + 0.3), sheet.y(first - above)
         sheet.rectangle(f'mark {mark.value}', (x, y),
                         (sheet.x(right - 0.3) - x, sheet.y(last + below) - y))
-        sheet.text('note', left + 0.4, first - max(above - 0.45, 0.4), _SIGNS[mark])
+        sheet.text('type', left + 0.4, first - max(above - 0.45, 0.4), mark.sign)
 
     # Lines between components
 

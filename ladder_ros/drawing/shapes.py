@@ -196,7 +196,8 @@ def _label(operand: str, context: ShapeContext) -> tuple[str, ...]:
 
 def _address(operand: str, context: ShapeContext) -> tuple[str, ...]:
     address = context.facts.addresses.get(operand.casefold(), '')
-    return (abbreviated(address, context.glyphs),) if address else ()
+    known = not address or address.casefold() == operand.casefold()
+    return () if known else (abbreviated(address, context.glyphs),)
 
 
 def _value(operand: str, instance: str, pin: str, context: ShapeContext) -> str:
@@ -216,7 +217,7 @@ def _pin(
         return Pin(name=shown, value=_value('', owner.instance, name, context))
     if argument.row is not None:
         # A row that the box does not have can only be told, not drawn.
-        inside = isinstance(owner, Block) and 0 < argument.row < owner.placement.height
+        inside = 0 < argument.row < owner.placement.height
         return Pin(name=shown, row=argument.row) if inside else \
             Pin(name=shown, label=f'row {argument.row}')
     text = argument.operand or argument.source

@@ -24,13 +24,13 @@ _LIGHT = {
     'paper': '#ffffff', 'ink': '#1f2328', 'muted': '#59636e', 'address': '#0550ae',
     'on': '#117a37', 'off': '#8c959f', 'block': '#f6f8fa', 'composite': '#d8dde3',
     'bar': '#eaeef2', 'bad': '#cf222e', 'added': '#c8f0d0', 'removed': '#ffd3d0',
-    'changed': '#fff0b3',
+    'changed': '#fff0b3', 'moved': '#cfe3ff',
 }
 _DARK = {
     'paper': '#0d1117', 'ink': '#e6edf3', 'muted': '#9198a1', 'address': '#79b8ff',
     'on': '#4ade80', 'off': '#6e7681', 'block': '#161b22', 'composite': '#30363d',
     'bar': '#21262d', 'bad': '#ff7b72', 'added': '#12442a', 'removed': '#5c1f22',
-    'changed': '#4d3d0a',
+    'changed': '#4d3d0a', 'moved': '#163760',
 }
 
 _SHAPES = """
@@ -46,6 +46,9 @@ white-space: pre }
 .ladder .value { font-weight: bold }
 .ladder .middle { text-anchor: middle }
 .ladder .end { text-anchor: end }
+.ladder .mark { stroke-width: 1 }
+.ladder .mark.removed { stroke-dasharray: 4 3 }
+.ladder .mark.changed, .ladder .mark.renamed { stroke-dasharray: 1 2 }
 """
 
 
@@ -69,9 +72,11 @@ def _colours(palette: Mapping[str, str]) -> str:
 .ladder .value, .ladder .lit {{ fill: {c['on']} }}
 .ladder .note {{ fill: {c['muted']} }}
 .ladder .bad {{ stroke: {c['bad']}; fill: none; stroke-width: 2 }}
+.ladder .mark {{ stroke: {c['muted']} }}
 .ladder .mark.added {{ fill: {c['added']} }}
 .ladder .mark.removed {{ fill: {c['removed']} }}
-.ladder .mark.changed {{ fill: {c['changed']} }}"""
+.ladder .mark.changed, .ladder .mark.renamed {{ fill: {c['changed']} }}
+.ladder .mark.moved {{ fill: {c['moved']} }}"""
 
 
 STYLE_SHEET = f"""{_SHAPES.strip()}

@@ -21,8 +21,8 @@ from ladder_ros.compiler.model_to_wiring import analyse_connections
 from ladder_ros.compiler.resolve_rung import suggestion
 from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.compiler.wiring_to_aov import build_aov
+from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError
-from ladder_ros.edit.aov_to_rung import draw_rung
 from ladder_ros.edit.edits import (
     AddOutput,
     AddParallel,

@@ -98,12 +98,16 @@ class Argument:
     Exactly one of ``operand`` (a variable's name or a literal) and ``source`` (a direct data
     connection from another component's output, written ``id.PIN``) and ``row`` (the pin takes or
     gives power at that row of the component, counted from its top) is set.
+
+    ``gives`` says that power leaves there, of a composite instance, whose arguments stand in one
+    list; only imported drawings lead power to and from rows of instances.
     """
 
     pin: str
     operand: str = ''
     source: str = ''
     row: int | None = None
+    gives: bool = False
     location: Location = Location()
 
 
@@ -280,6 +284,17 @@ class Label:
 
 Component = (
     Contact | Coil | Row | Column | Block | Instance | InVariable | OutVariable | Jump | Label)
+
+
+def power_pins(component: Component) -> Iterator[tuple[bool, Argument]]:
+    """Yield the further pins that take or give power: whether it enters there, and the pin."""
+    if isinstance(component, Block):
+        yield from ((True, argument) for argument in component.inputs if argument.row is not None)
+        yield from ((False, argument) for argument in component.outputs
+                    if argument.row is not None)
+    elif isinstance(component, Instance):
+        yield from ((not argument.gives, argument) for argument in component.arguments
+                    if argument.row is not None)
 
 
 class InterfaceKind(Enum):

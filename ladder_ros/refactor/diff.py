@@ -4,15 +4,18 @@
 
 Rungs are matched by what they hold, those of one id first, then by id, then by likeness; so a rung
 that was put in front of others, and a new numbering, do not make the others changed.
+
+Programs of other editors are compared as they are drawn on our grid.  Their ids and cells are not
+their authors', so components are matched by what they are, and where they stand does not count.
 """
 
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
-from enum import Enum
+from collections import Counter, defaultdict, deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
+from itertools import islice
 from typing import Any, TypeVar
 
 from ladder_ros.diagnostics import Location
@@ -20,13 +23,16 @@ from ladder_ros.model.component import (
     Argument,
     Block,
     Coil,
+    Column,
     Component,
     Contact,
     Instance,
     InVariable,
     OutVariable,
+    Row,
 )
 from ladder_ros.model.derived import initial_text, type_name
+from ladder_ros.model.difference import Edit, PouDiff, ProgramDiff, RungEdit, What
 from ladder_ros.model.program import (
     Body,
     Composite,
@@ -43,99 +49,11 @@ _T = TypeVar('_T')
 LIKENESS = 0.5
 """Share of components that two rungs of different ids must have in common to be one, changed."""
 
+_RARE, _CANDIDATES = 8, 32
+"""Rungs that may be one are found by so many of their rarest parts, and so many by each."""
 
 _PROSE = ('text', 'specification')
 """Words whose text is too long for a line: that they changed is enough."""
-
-
-class What(Enum):
-    """What became of a thing."""
-
-    ADDED = 'added'
-    REMOVED = 'removed'
-    CHANGED = 'changed'
-    MOVED = 'moved'
-    RENAMED = 'renamed'
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Edit:
-    """A thing that changed: ``kind`` and ``name`` say which, ``details`` what of it.
-
-    A detail is (word, before, after); before or after is empty where there was or is none.
-    """
-
-    what: What
-    kind: str
-    name: str
-    details: tuple[tuple[str, str, str], ...] = ()
-
-    def to_json(self) -> dict[str, object]:
-        """Return it as plain JSON data."""
-        return {'what': self.what.value, 'kind': self.kind, 'name': self.name, 'details': [
-            {'word': word, 'old': old, 'new': new} for word, old, new in self.details]}
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RungEdit:
-    """A rung that changed: ``old`` and ``new`` are its states, None where it is not.
-
-    ``edits`` are those of its components and of the rung itself.
-    """
-
-    what: What
-    old: Rung | None = None
-    new: Rung | None = None
-    edits: tuple[Edit, ...] = ()
-
-    @property
-    def id(self) -> str:
-        """The rung's id, that of the new program if it has it."""
-        rung = self.new or self.old
-        assert rung is not None
-        return rung.id
-
-    def to_json(self) -> dict[str, object]:
-        """Return it as plain JSON data."""
-        return {'what': self.what.value, 'rung': self.id,
-                'old_rung': self.old.id if self.old else None,
-                'edits': [edit.to_json() for edit in self.edits]}
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PouDiff:
-    """A body or composite that changed; ``what`` is None where only its parts did."""
-
-    kind: str
-    name: str
-    what: What | None = None
-    edits: tuple[Edit, ...] = ()
-    rungs: tuple[RungEdit, ...] = ()
-
-    def to_json(self) -> dict[str, object]:
-        """Return it as plain JSON data."""
-        return {'kind': self.kind, 'name': self.name,
-                'what': self.what.value if self.what else What.CHANGED.value,
-                'edits': [edit.to_json() for edit in self.edits],
-                'rungs': [rung.to_json() for rung in self.rungs]}
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ProgramDiff:
-    """All that changed: variables, tasks and the like in ``edits``, the rest by POU."""
-
-    edits: tuple[Edit, ...] = ()
-    pous: tuple[PouDiff, ...] = ()
-
-    @property
-    def is_empty(self) -> bool:
-        """Whether nothing changed."""
-        return not self.edits and not self.pous
-
-    def to_json(self) -> dict[str, object]:
-        """Return it as plain JSON data."""
-        return {'edits': [edit.to_json() for edit in self.edits],
-                'pous': [pou.to_json() for pou in self.pous]}
 
 
 def diff_programs(old: Program, new: Program) -> ProgramDiff:
@@ -145,8 +63,9 @@ def diff_programs(old: Program, new: Program) -> ProgramDiff:
         *_variables(old.variables, new.variables),
         *_listed('task', old.tasks, new.tasks, lambda task: task.name, _words_of_task),
     ]
-    pous = [*_pous('composite', old.composites, new.composites),
-            *_pous('body', old.bodies, new.bodies)]
+    by_id = old.dialect == new.dialect == 'native'
+    pous = [*_pous('composite', old.composites, new.composites, by_id),
+            *_pous('body', old.bodies, new.bodies, by_id)]
     return ProgramDiff(edits=tuple(edits), pous=tuple(pous))
 
 
@@ -187,7 +106,8 @@ def _listed(
                        details=tuple((w, '', v) for w, v in words(item).items() if v))
     for key, item in before.items():
         if key not in after:
-            yield Edit(what=What.REMOVED, kind=kind, name=name(item))
+            yield Edit(what=What.REMOVED, kind=kind, name=name(item),
+                       details=tuple((w, v, '') for w, v in words(item).items() if v))
 
 
 def _variables(old: Sequence[Variable], new: Sequence[Variable]) -> Iterator[Edit]:
@@ -244,31 +164,35 @@ def _words_of_task(task: Task) -> Words:
 
 def _words_of_pou(pou: Pou) -> Words:
     text = '' if not pou.statements else repr(plain(pou.statements))
+    common = {'text': text, 'cannot run': pou.unsupported}
     if isinstance(pou, Body):
-        return {'run': pou.run.value, 'task': pou.task, 'comment': pou.comment, 'text': text}
-    return {'call': pou.call.value, 'category': pou.category, 'text': text,
+        return {'run': pou.run.value, 'task': pou.task, 'comment': pou.comment, **common}
+    return {'call': pou.call.value, 'category': pou.category, **common,
             'specification': pou.specification}
 
 
 # -- POUs and rungs -----------------------------------------------------------------------------
 
-def _pous(kind: str, old: Sequence[Pou], new: Sequence[Pou]) -> Iterator[PouDiff]:
+def _pous(
+    kind: str, old: Sequence[Pou], new: Sequence[Pou], by_id: bool,
+) -> Iterator[PouDiff]:
     before = _by_name(old, lambda pou: pou.name)
     after = _by_name(new, lambda pou: pou.name)
     for key, pou in after.items():
         known = before.get(key)
         if known is None:
-            yield PouDiff(kind=kind, name=pou.name, what=What.ADDED, rungs=tuple(
+            yield PouDiff(kind=kind, name=pou.name, what=What.ADDED, new=pou, aligned=tuple(
                 RungEdit(what=What.ADDED, new=rung) for rung in pou.rungs))
             continue
         found = PouDiff(
-            kind=kind, name=pou.name, edits=tuple(_edits_of_pou(kind, known, pou)),
-            rungs=tuple(diff_rungs(known.rungs, pou.rungs)))
+            kind=kind, name=pou.name, old=known, new=pou,
+            edits=tuple(_edits_of_pou(kind, known, pou)),
+            aligned=tuple(align_rungs(known.rungs, pou.rungs, by_id=by_id)))
         if found.edits or found.rungs:
             yield found
     for key, pou in before.items():
         if key not in after:
-            yield PouDiff(kind=kind, name=pou.name, what=What.REMOVED, rungs=tuple(
+            yield PouDiff(kind=kind, name=pou.name, what=What.REMOVED, old=pou, aligned=tuple(
                 RungEdit(what=What.REMOVED, old=rung) for rung in pou.rungs))
 
 
@@ -280,101 +204,202 @@ def _edits_of_pou(kind: str, old: Pou, new: Pou) -> Iterator[Edit]:
         yield from _variables(old.variables, new.variables)
 
 
-def diff_rungs(old: Sequence[Rung], new: Sequence[Rung]) -> Iterator[RungEdit]:
-    """Yield the rungs that changed, those of the new program in its order, then removed ones."""
-    pairs = _matched(old, new)
+def align_rungs(
+    old: Sequence[Rung], new: Sequence[Rung], *, by_id: bool = True,
+) -> Iterator[RungEdit]:
+    """Yield what became of each rung: in the order of the new program, removed ones in between.
+
+    ``by_id`` tells that ids and cells are the author's and count.
+    """
+    pairs = _matched(old, new, by_id)
     steady = _steady([pairs[n] for n in range(len(new)) if n in pairs])
+    stays = set(pairs.values())
+    done = 0  # old rungs up to here have their place
     for number, rung in enumerate(new):
-        if number not in pairs:
+        place = pairs.get(number)
+        if place is None or place in steady:
+            # Up to the next rung that stays where it was; what comes instead stands below.
+            while done < len(old) and done not in steady:
+                if done not in stays:
+                    yield RungEdit(what=What.REMOVED, old=old[done])
+                done += 1
+        if place is None:
             yield RungEdit(what=What.ADDED, new=rung)
             continue
-        before = old[pairs[number]]
-        edits = tuple(_edits_of_rung(before, rung))
-        if edits:
-            yield RungEdit(what=What.CHANGED, old=before, new=rung, edits=edits)
-        elif pairs[number] not in steady:
-            yield RungEdit(what=What.MOVED, old=before, new=rung)
-    taken = set(pairs.values())
-    for number, rung in enumerate(old):
-        if number not in taken:
-            yield RungEdit(what=What.REMOVED, old=rung)
+        done = max(done, place + 1) if place in steady else done
+        yield _aligned(old, place, rung, place in steady, by_id)
+    yield from (RungEdit(what=What.REMOVED, old=old[place])
+                for place in range(done, len(old)) if place not in stays)
 
 
-def _matched(old: Sequence[Rung], new: Sequence[Rung]) -> dict[int, int]:
+def _aligned(
+    old: Sequence[Rung], place: int, rung: Rung, is_steady: bool, by_id: bool,
+) -> RungEdit:
+    edits = tuple(_edits_of_rung(old[place], rung, by_id))
+    behind = None if is_steady else old[place - 1].id if place else ''
+    what = What.CHANGED if edits else None if is_steady else What.MOVED
+    return RungEdit(what=what, old=old[place], new=rung, edits=edits, was_behind=behind)
+
+
+def _matched(old: Sequence[Rung], new: Sequence[Rung], by_id: bool) -> dict[int, int]:
     """Return for each rung of the new program that was there the number of the old one."""
     pairs: dict[int, int] = {}
     free = dict.fromkeys(range(len(old)))
 
     def match(key: Callable[[Rung], object]) -> None:
-        waiting: dict[object, list[int]] = {}
+        waiting: dict[object, deque[int]] = {}
         for number in free:
-            waiting.setdefault(key(old[number]), []).append(number)
+            waiting.setdefault(key(old[number]), deque()).append(number)
         for number, rung in enumerate(new):
-            candidates = waiting.get(key(rung))
-            if number not in pairs and candidates:
-                pairs[number] = candidates.pop(0)
+            candidates = waiting.get(key(rung)) if number not in pairs else None
+            if candidates:
+                pairs[number] = candidates.popleft()
                 del free[pairs[number]]
 
-    match(lambda rung: (rung.id.casefold(), _content(rung)))
-    match(_content)
-    match(lambda rung: rung.id.casefold())
-    for number, rung in enumerate(new):
-        if number not in pairs and free:
-            likest = max(free, key=lambda other: _likeness(old[other], rung))
-            if _likeness(old[likest], rung) >= LIKENESS:
-                pairs[number] = likest
-                del free[likest]
+    content = _content if by_id else _anonymous_content
+    match(lambda rung: (rung.id.casefold(), content(rung)))
+    match(content)
+    if by_id:
+        match(lambda rung: rung.id.casefold())
+    _match_alike(old, new, pairs, free)
     return pairs
+
+
+def _match_alike(
+    old: Sequence[Rung], new: Sequence[Rung], pairs: dict[int, int], free: dict[int, None],
+) -> None:
+    """Pair the rungs that are left over with what has most in common with them.
+
+    Only rungs that share something which few have are looked at.
+    """
+    parts = {number: _traits(old[number]) for number in free}
+    having: dict[str, deque[int]] = defaultdict(deque)
+    for number, descriptions in parts.items():
+        for description in descriptions:
+            having[description].append(number)
+    for number, rung in enumerate(new):
+        if number in pairs:
+            continue
+        mine = _traits(rung)
+        rare = sorted(mine & having.keys(), key=lambda text: (len(having[text]), text))[:_RARE]
+        for text in rare:
+            while having[text] and having[text][0] not in free:
+                having[text].popleft()
+        candidates = dict.fromkeys(place for text in rare for place in islice(
+            having[text], _CANDIDATES) if place in free)
+        likest = max(candidates, default=None, key=lambda place: _likeness(parts[place], mine))
+        if likest is not None and _likeness(parts[likest], mine) >= LIKENESS:
+            pairs[number] = likest
+            del free[likest]
 
 
 def _content(rung: Rung) -> object:
     return (plain(rung.components), plain(rung.wires), rung.comment)
 
 
-def _likeness(a: Rung, b: Rung) -> float:
-    first = {describe(c) for c in a.components}
-    second = {describe(c) for c in b.components}
+def _anonymous_content(rung: Rung) -> tuple[object, ...]:
+    parts = tuple([plain(replace(component, id='')) for component in rung.components])
+    return ((parts, plain(rung.wires)), rung.comment)
+
+
+def _traits(rung: Rung) -> set[str]:
+    """Return what makes rungs alike: what components are, and, apart, what they work on."""
+    found: set[str] = set()
+    for component in rung.components:
+        if not isinstance(component, (Row, Column)):
+            subject = getattr(component, 'operand', '') or getattr(component, 'instance', '')
+            found |= {describe(component), f'{type(component).__name__}: {subject}'}
+    return found
+
+
+def _likeness(first: set[str], second: set[str]) -> float:
     return len(first & second) / max(len(first | second), 1)
 
 
 def _steady(numbers: Sequence[int]) -> set[int]:
     """Return the members of a longest rising subsequence: what need not have moved."""
     tails: list[int] = []
-    chains: list[tuple[int, ...]] = []
+    before: dict[int, int | None] = {}
     for number in numbers:
         place = bisect_left(tails, number)
-        chain = (*chains[place - 1], number) if place else (number,)
+        before[number] = tails[place - 1] if place else None
         tails[place:place + 1] = [number]
-        chains[place:place + 1] = [chain]
-    return set(chains[-1]) if chains else set()
+    found: set[int] = set()
+    last = tails[-1] if tails else None
+    while last is not None:
+        found.add(last)
+        last = before[last]
+    return found
 
 
-def _edits_of_rung(old: Rung, new: Rung) -> Iterator[Edit]:
+def _edits_of_rung(old: Rung, new: Rung, by_id: bool) -> Iterator[Edit]:
     yield from _one('rung', new.id, {'comment': old.comment, 'order': old.order.value},
                     {'comment': new.comment, 'order': new.order.value})
-    before, after = _by_id(old), _by_id(new)
+    if by_id:
+        yield from _edits_of_components(_pairs_by_id(old, new), by_id)
+        return
+    edits = list(_edits_of_components(_pairs_by_description(old, new), by_id))
+    yield from edits
+    if not edits and _anonymous_content(old)[0] != _anonymous_content(new)[0]:
+        yield Edit(what=What.CHANGED, kind='connections', name=f'of rung {new.id}')
+
+
+_Pairs = Iterable[tuple[Component | None, Component | None]]
+
+
+def _pairs_by_id(old: Rung, new: Rung) -> _Pairs:
+    before = {component.id.casefold(): component for component in old.components}
+    after = {component.id.casefold(): component for component in new.components}
     for key, component in after.items():
         known = before.get(key)
-        if known is None or type(known) is not type(component):
-            yield Edit(what=What.ADDED, kind='component', name=component.id,
-                       details=(('is', '', describe(component)),))
+        if known is not None and type(known) is type(component):
+            del before[key]
+            yield known, component
         else:
-            yield from _edit_of_component(known, component)
-    for key, component in before.items():
-        if key not in after or type(after[key]) is not type(component):
-            yield Edit(what=What.REMOVED, kind='component', name=component.id,
-                       details=(('was', describe(component), ''),))
-    if old.wires is not None and new.wires is not None and old.wires != new.wires:
-        gone, come = set(old.wires) - set(new.wires), set(new.wires) - set(old.wires)
-        yield Edit(what=What.CHANGED, kind='wires', name=new.id, details=(
-            ('count', f'{len(gone)} gone', f'{len(come)} new'),))
+            yield None, component
+    yield from ((component, None) for component in before.values())
 
 
-def _by_id(rung: Rung) -> dict[str, Component]:
-    return {component.id.casefold(): component for component in rung.components}
+def _pairs_by_description(old: Rung, new: Rung) -> _Pairs:
+    """Pair what is the same, in order; then what is of the same kind, by id and in order."""
+    def drawn(rung: Rung) -> list[Component]:
+        return [c for c in rung.components if not isinstance(c, (Row, Column))]
+
+    left, right = drawn(old), drawn(new)
+    partner: dict[int, Component] = {}
+    for key in (describe, _kind_and_id, type):
+        waiting: dict[object, deque[Component]] = defaultdict(deque)
+        for component in left:
+            waiting[key(component)].append(component)
+        for number, component in enumerate(right):
+            if number not in partner and waiting.get(key(component)):
+                partner[number] = waiting[key(component)].popleft()
+        taken = {id(component) for component in partner.values()}
+        left = [component for component in left if id(component) not in taken]
+    yield from ((partner.get(number), component) for number, component in enumerate(right))
+    yield from ((component, None) for component in left)
 
 
-def _edit_of_component(old: Component, new: Component) -> Iterator[Edit]:
+def _kind_and_id(component: Component) -> object:
+    return type(component), component.id
+
+
+def _edits_of_components(pairs: _Pairs, by_id: bool) -> Iterator[Edit]:
+    removed = []
+    for before, after in pairs:
+        if after is None:
+            assert before is not None
+            removed.append(Edit(what=What.REMOVED, kind='component', name=before.id,
+                                details=(('was', describe(before), ''),)))
+        elif before is None:
+            yield Edit(what=What.ADDED, kind='component', name=after.id,
+                       details=(('is', '', describe(after)),))
+        else:
+            yield from _edit_of_component(before, after, by_id)
+    yield from removed
+
+
+def _edit_of_component(old: Component, new: Component, by_id: bool) -> Iterator[Edit]:
     if plain(old) == plain(new):
         return
     details = []
@@ -384,11 +409,15 @@ def _edit_of_component(old: Component, new: Component) -> Iterator[Edit]:
         a, b = getattr(old, word, ''), getattr(new, word, '')
         if a != b:
             details.append((word, _shown(a), _shown(b)))
-    if plain(old.placement) != plain(new.placement):
+    for word, part in (('text', 'statements'), ('pins', 'modifiers')):
+        if plain(getattr(old, part, ())) != plain(getattr(new, part, ())):
+            details.append((word, '', ''))
+    if by_id and plain(old.placement) != plain(new.placement):
         details.append(('place', _place(old), _place(new)))
     only_moved = all(word == 'place' for word, _, _ in details) and details
-    yield Edit(what=What.MOVED if only_moved else What.CHANGED, kind='component', name=new.id,
-               details=tuple(details))
+    if details:
+        yield Edit(what=What.MOVED if only_moved else What.CHANGED, kind='component', name=new.id,
+                   details=tuple(details), old_name='' if old.id == new.id else old.id)
 
 
 def _shown(value: object) -> str:

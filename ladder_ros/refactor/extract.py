@@ -14,8 +14,8 @@ from dataclasses import replace
 
 from ladder_ros.compiler.aov import Aov
 from ladder_ros.compiler.symbols import pou_key
+from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.diagnostics import LadderError
-from ladder_ros.edit.aov_to_rung import draw_rung
 from ladder_ros.model.component import (
     Argument,
     Block,

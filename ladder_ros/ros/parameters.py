@@ -14,19 +14,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+import re
 from typing import Any
 
 from ladder_ros.diagnostics import Diagnostic, problem
 from ladder_ros.model.types import NS_PER_S
 from ladder_ros.ros.io_entries import IO_PREFIX, IoEntry, PACKED_PREFIX, read_entries
 from ladder_ros.ros.rules import checked, Declaration, did_you_mean, parameter_place, Rule
-from ladder_ros.session import BACKENDS, DEFAULT_BACKEND, Requirement
+from ladder_ros.session import BACKENDS, DEFAULT_BACKEND, RealTime, Requirement
 
 START_NAMES = ('warm', 'cold')
 RESET_NAMES = ('cold', 'warm', 'origin')
 WATCH_NAMES = ('outputs', 'all')
 REQUIRE_NAMES = tuple(requirement.value for requirement in Requirement)
 AUTO = 'auto'
+_CPUS = re.compile(r'(\d{1,4})(?:-(\d{1,4}))?', re.ASCII)
 
 # Names that every node has, or that belong to the middleware; no warning for these.
 FOREIGN = ('use_sim_time', 'start_type_description_service', 'qos_overrides', 'diagnostic_updater')
@@ -78,6 +80,12 @@ RULES: tuple[Rule, ...] = (
         'path (door.opening), any instance by its place (main/3/i1); empty: the first body.')),
     Rule(name='monitor.rate', kind=float, default=5.0, low=0.1, high=50.0, read_only=False,
          description='Messages a second on ~/monitor while someone listens.'),
+    Rule(name='real_time.priority', kind=int, default=0, low=0, high=99, description=(
+        'Priority of the scan thread in the class SCHED_FIFO, 1 to 99; 0: the usual class.')),
+    Rule(name='real_time.cpus', kind=str, default='', description=(
+        'The processors that the scan thread may run on, as in "2" or "1,4-6"; empty: all.')),
+    Rule(name='real_time.lock_memory', kind=bool, default=False, description=(
+        'Whether the memory of the process is kept from being swapped out.')),
     Rule(name='retain_file', kind=str, default=AUTO, description=(
         'The file that keeps retained variables over a restart; empty: none; auto: '
         'ROS_HOME/ladder_ros/<node>.retain.')),
@@ -106,6 +114,7 @@ class Settings:
     autostart: bool
     status_period: float
     forces: tuple[str, ...]
+    real_time: RealTime
     values: Mapping[str, Any]
     io: Mapping[str, IoEntry]
     declarations: tuple[Declaration, ...]
@@ -131,9 +140,27 @@ def read_settings(overrides: Mapping[str, Any]) -> tuple[Settings, tuple[Diagnos
         scan_period=round(values['scan_period'] * NS_PER_S) or None, backend=values['backend'],
         autostart=values['autostart'], status_period=values['status_period'],
         forces=tuple(values['forces']), values=values, io=entries,
+        real_time=RealTime(
+            priority=values['real_time.priority'], cpus=_cpus(values['real_time.cpus'], found),
+            lock_memory=values['real_time.lock_memory']),
         declarations=(*declarations, *io_declarations),
     )
     return settings, tuple(found)
+
+
+def _cpus(text: str, found: list[Diagnostic]) -> frozenset[int]:
+    """Return the processors of a list as taskset knows it, ``1,4-6``."""
+    cpus: set[int] = set()
+    for part in text.replace(' ', '').split(',') if text.strip() else ():
+        match = _CPUS.fullmatch(part)
+        first, last = (int(match[1]), int(match[2] or match[1])) if match else (1, 0)
+        if first > last:
+            found.append(problem(
+                'L0604', parameter_place('real_time.cpus'), label=repr(text),
+                name='real_time.cpus', expected='write numbers and ranges of them, as "1,4-6"'))
+            return frozenset()
+        cpus.update(range(first, last + 1))
+    return frozenset(cpus)
 
 
 def check_parameter(name: str, value: Any) -> tuple[Any, tuple[Diagnostic, ...]]:

@@ -92,7 +92,8 @@ class Plc:
             'preflight': self.preflight, 'test': self.test, 'untest': self.untest,
             'accept': self.accept, 'shadow': self.shadow, 'end_shadow': self.end_shadow,
             'record': self.record, 'end_record': self.end_record,
-        }, self._note_error, self._after_service)
+        }, self._note_error, self._after_service,
+            lambda items: self._cell.session.in_turns(items))
 
     @property
     def cell(self) -> Cell:
@@ -134,7 +135,8 @@ class Plc:
         session = Session(
             clock=self._sim_clock, interval_ns=self._settings.scan_period,
             retain_path=self._retain_file,
-            retain_period_s=self._settings.values['retain_period'])
+            retain_period_s=self._settings.values['retain_period'],
+            real_time=self._settings.real_time)
         session.add_listener(self._after_scan)
         cell = Cell(self._node, session, self._settings, self._log.warning, self._resolve_topic,
                     self._ros_time)
@@ -174,6 +176,8 @@ class Plc:
             name, self._record_at_start = self._record_at_start, ''
             self._record(self._recordings.first(name))
         self._cell.start(self._live['start'])
+        for refusal in self._cell.session.refused:
+            self._log.warning(refusal)
         if self._cell.session.interval_ns <= QUICK_PERIOD:
             sys.setswitchinterval(SWITCH_INTERVAL)
 

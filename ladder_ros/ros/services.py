@@ -7,7 +7,7 @@ The reply's ``message`` is one JSON document, whether it went well or not.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 import json
 from typing import Any
 
@@ -30,12 +30,13 @@ def failure(error: Exception) -> dict[str, object]:
 
 def serve(
     node: Any, actions: Mapping[str, Callable[[], Report]], on_error: Callable[[Exception], None],
-    after: Callable[[Report], Report],
+    after: Callable[[Report], Report], in_turns: Callable[[Iterator[str]], Iterator[str]],
 ) -> None:
     """Offer each action as the service ``~/<name>``.
 
     An action returns what it did (with a false ``success`` if that was a refusal), or raises;
     ``on_error`` is told what it raised.  ``after`` gets the report and adds to it.
+    ``in_turns`` is how a long text is made while scans go on.
     """
     def respond(action: Callable[[], Report], response: Any) -> Any:
         report: dict[str, object]
@@ -46,7 +47,8 @@ def serve(
             report = failure(error)
         report.update(after(report))
         response.success = bool(report['success'])
-        response.message = json.dumps(report)
+        # Not by json.dumps, which lets no scan begin before it is done.
+        response.message = ''.join(in_turns(json.JSONEncoder().iterencode(report)))
         return response
 
     for name, action in actions.items():

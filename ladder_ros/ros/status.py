@@ -199,6 +199,7 @@ def _scan(look: _Look) -> DiagnosticStatus:
          'overruns': overruns, 'skipped': state.get('skipped'),
          **_times('execution', state.get('execution_ms')),
          'max_lateness_ms': state.get('max_lateness_ms'),
+         'real_time_refused': '; '.join(state.get('real_time_refused') or ()),
          'instructions': share.get('instructions'), 'executed': share.get('executed'),
          'share_last': share.get('last'), 'share_mean': share.get('mean')})
 
@@ -213,8 +214,8 @@ def _program(look: _Look) -> DiagnosticStatus:
         'program',
         ERROR if word == 'faulted' else WARN if trouble or word == 'empty' else OK,
         str(trouble) or str(state.get('program') or 'no program'),
-        {**{key: state.get(key) for key in ('program', 'path', 'hash', 'backend', 'start',
-                                            'arithmetic_errors')},
+        {**{key: state.get(key) for key in ('program', 'path', 'hash', 'backend', 'runs_as',
+                                            'start', 'arithmetic_errors')},
          **{f'fault_{key}': fault[key] for key in ('entry', 'scan') if key in fault},
          **{f'fault_{key}': value for key, value in place.items() if value}})
 

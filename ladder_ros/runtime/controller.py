@@ -30,7 +30,7 @@ from ladder_ros.runtime.process_image import moved_writes, Write
 from ladder_ros.runtime.quiet import giving_way
 from ladder_ros.runtime.recorder import TraceRecorder
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
-from ladder_ros.runtime.scheduling import wake_promptly
+from ladder_ros.runtime.scheduling import ask_for, RealTime, wake_promptly
 from ladder_ros.runtime.shadow import Shadow
 from ladder_ros.runtime.statistics import Recorder, Share, Statistics
 from ladder_ros.runtime.supervisor import Supervisor
@@ -55,8 +55,14 @@ class Controller:
     Listeners, which the scan thread calls, may only read, write and stop.
     """
 
-    def __init__(self, clock: Clock | None = None, planner: Planner | None = None) -> None:
-        """Make an empty controller; ``planner`` works out what changes of the program do."""
+    def __init__(
+        self, clock: Clock | None = None, planner: Planner | None = None,
+        real_time: RealTime | None = None,
+    ) -> None:
+        """Make an empty controller; ``planner`` works out what changes of the program do.
+
+        ``real_time`` is what the scan thread asks the operating system for.
+        """
         self._clock: Clock = clock or MonotonicClock()
         self.planner: Planner = planner or LocalPlanner()
         self._state = ControllerState.EMPTY
@@ -66,6 +72,10 @@ class Controller:
         self._due = 0
         self._listeners = Listeners()
         self._programs = Exchange(self._clock, self._listeners)
+        self._real_time = real_time or RealTime()
+        self._asked = threading.Event()
+        self.refused: tuple[str, ...] = ()
+        """What the operating system has refused the scan thread, a sentence each."""
         self._recorder = Recorder()
         self._trace: TraceRecorder | None = None
         self._turns = Turns(self._clock.wake)
@@ -112,6 +122,12 @@ class Controller:
         """The statistics of each task since the last start or change of the program."""
         cycle = self._programs.cycle
         return cycle.task_statistics() if cycle else ()
+
+    @property
+    def runs_as(self) -> str | None:
+        """The backend whose code runs now; None without a program."""
+        cycle = self._programs.cycle
+        return cycle.runs_as if cycle else None
 
     @property
     def share(self) -> Share:
@@ -191,9 +207,11 @@ class Controller:
             self._set_state(ControllerState.RUNNING)
             self._turns.lost = None
             self._supervisor.begin()
+            self._asked.clear()
             self._turns.scanner = threading.Thread(
                 target=self._run, name='ladder_scan', daemon=True)
             self._turns.scanner.start()
+            self._asked.wait()
 
     def stop(self) -> None:
         """Stop after the scan that is running; when this returns no scan runs.
@@ -432,8 +450,12 @@ class Controller:
         starts late, by less than an interval, is made up for by a shorter sleep; whole intervals
         that were missed are skipped and counted, never made up for in a burst.
         """
-        if isinstance(self._clock, MonotonicClock):
-            wake_promptly()
+        try:
+            self.refused = ask_for(self._real_time)
+            if isinstance(self._clock, MonotonicClock):
+                wake_promptly()
+        finally:
+            self._asked.set()
         try:
             self._scan_until_stopped()
         finally:

@@ -9,7 +9,7 @@ are made small here, and full ones rare.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 import gc
 import sys
@@ -115,7 +115,7 @@ def free_slowly(pile: list[Sequence[object]], breathe: Breathe = breathless) -> 
             del items[-_PART:]
 
 
-def in_parts(items: Sequence[_T], breathe: Breathe) -> Iterator[_T]:
+def in_parts(items: Iterable[_T], breathe: Breathe) -> Iterator[_T]:
     """Yield the items, with a breath now and then."""
     for number, item in enumerate(items):
         if number % _PART == 0:

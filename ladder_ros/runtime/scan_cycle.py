@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ladder_ros.diagnostics import LadderError
-from ladder_ros.executable import Executable, Form, Scan, State, Variant
+from ladder_ros.executable import Executable, FIRST_BACKEND, Form, Scan, State, Variant
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.planner import Transition
 from ladder_ros.runtime.process_image import ProcessImage
@@ -111,6 +111,14 @@ class ScanCycle:
     def variant(self) -> Variant:
         """The form of the program that runs now."""
         return Variant(observed=self._observed, forced=frozenset(self.image.forces))
+
+    @property
+    def runs_as(self) -> str:
+        """The backend whose code runs: the program's own, or what is ready before that is."""
+        own, variant = self.executable.backend, self.variant
+        if self.executable.faster is None:  # what is observed has no other form than Python's
+            return FIRST_BACKEND if own == 'native' and variant.observed else own
+        return own if self.form is not None and variant == Variant() else FIRST_BACKEND
 
     @property
     def share(self) -> Share:

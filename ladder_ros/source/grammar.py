@@ -19,11 +19,11 @@ INSTANCE_ALONE = 'i1'
 
 SCHEMA_INSTANCE = 'http://www.w3.org/2001/XMLSchema-instance'
 
-MAX_COMPONENTS = 200_000
-MAX_CELLS = 4_000_000
+MAX_COMPONENTS = 1_000_000
+MAX_CELLS = 20_000_000
 """Cells that all components of a program cover together."""
-MAX_RUNGS = 20_000
-MAX_VARIABLES = 50_000
+MAX_RUNGS = 200_000
+MAX_VARIABLES = 500_000
 """Variables and parameters of a program and its composites together."""
 MAX_POUS = 5_000
 """Composites and bodies together."""

@@ -40,9 +40,8 @@ def with_libraries(program: Program, file: str) -> Program:
         return program
     offered: dict[str, Composite] = {}
     for use in program.uses:
-        for composite in _library(use, file).composites:
-            offered.setdefault(composite.name.casefold(),
-                               replace(composite, library=use.library))
+        for composite in _library(use, file):
+            offered.setdefault(composite.name.casefold(), composite)
     own = {composite.name.casefold() for composite in program.composites}
     pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
     rungs = [rung for pou in pous for rung in pou.rungs]
@@ -69,8 +68,8 @@ def _used(rungs: Iterable[Rung]) -> Iterator[str]:
                 yield component.composite.casefold()
 
 
-def _library(use: Use, file: str) -> Program:
-    """Read a library and check that it is what the program means."""
+def _library(use: Use, file: str) -> tuple[Composite, ...]:
+    """Read a library's composites and check that it is what the program means."""
     path = find_library(use.library, file, use.location)
     data = read_file(path)
     found = hashlib.sha256(data).hexdigest()
@@ -79,17 +78,24 @@ def _library(use: Use, file: str) -> Program:
             use.library, use.location,
             f'its hash is {found[:HASH_DIGITS]}, not {use.sha256[:HASH_DIGITS]}: it has changed',
             'look at what has changed, then take it with: ladder library PROGRAM update')
-    library = _parsed(data, os.fspath(path))
-    if library.uses:
+    uses, composites = _parsed(data, os.fspath(path), use.library)
+    if uses:
         raise _problem(use.library, use.location, 'it uses a library itself',
                        'name both libraries in the program')
-    return library
+    return composites
 
 
 @lru_cache(maxsize=32)
-def _parsed(data: bytes, file: str) -> Program:
-    """Read a library; one that has been read is not read again, whoever uses it."""
-    return parse_program(data, file)
+def _parsed(
+    data: bytes, file: str, name: str,
+) -> tuple[tuple[Use, ...], tuple[Composite, ...]]:
+    """Read a library; one that has been read is not read again, whoever uses it.
+
+    Its composites are the same objects each time: what is found out about them stays known.
+    """
+    library = parse_program(data, file)
+    return library.uses, tuple(
+        replace(composite, library=name) for composite in library.composites)
 
 
 def find_library(name: str, file: str, location: Location) -> Path:

@@ -9,7 +9,6 @@ same program, and writing that gives the same text, so that files compare line b
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 from typing_extensions import assert_never
 
@@ -279,15 +278,6 @@ def _alone(rung: Rung) -> Instance | None:
                     found.name or found.comment or found.specification):
                 return found
     return None
-
-
-def rung_text(rung: Rung) -> str:
-    """Return a rung as it stands in a file, but for where its state was in earlier programs."""
-    components = tuple(
-        replace(component, was=())
-        if isinstance(component, (Contact, Coil, Block, Instance)) and component.was else component
-        for component in rung.components)
-    return '\n'.join(_rung(replace(rung, components=components)))
 
 
 def _component(component: Component) -> Lines:

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 import hashlib
 import os
 from pathlib import Path
@@ -71,7 +73,9 @@ def openplc_folder(path: str) -> Path | None:
 
 def file_hash(data: bytes, file: str) -> str:
     """Return the SHA-256 of a program's bytes, and of its import options where there are any."""
-    return hashlib.sha256(data + import_options(file).text).hexdigest()
+    digest = hashlib.sha256(data)
+    digest.update(import_options(file).text)
+    return digest.hexdigest()
 
 
 def folder_hash(folder: Path) -> str:
@@ -82,6 +86,18 @@ def folder_hash(folder: Path) -> str:
         digest.update(os.fsencode(file.relative_to(folder)) + b'\0%d\0' % len(data))
         digest.update(data)
     return digest.hexdigest()
+
+
+def again_from(
+    program: Program, data: bytes, file: str,
+) -> Callable[[], Program] | None:
+    """Return what reads a program again from the bytes that it came from.
+
+    None where other files take part, which may not be there any more as they were.
+    """
+    if program.dialect != 'native' or program.uses or not data:
+        return None
+    return partial(parse_any, data, file)
 
 
 def read_with_source(path: str | os.PathLike[str]) -> tuple[Program, str, bytes]:

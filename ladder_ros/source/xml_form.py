@@ -51,6 +51,9 @@ class Form:
         self.rung_id = ''
         self.cell: tuple[int, int] | None = None
         self.counts: dict[str, int] = {}
+        self._identifiers: dict[str, str] = {}
+        self._operands: dict[str, str] = {}
+        """Values that have been found good, each once: most names are read again and again."""
         self.is_foreign = False
         """Whether the program was drawn elsewhere: other editors allow more names."""
 
@@ -86,7 +89,10 @@ class Form:
 
     def check(self, element: Element, rule: Rule) -> None:
         """Check the attributes, the text and, where there may be none, the children."""
-        for name, value in element.attributes.items():
+        attributes = element.attributes
+        is_fine = attributes.keys() <= rule.allowed and (
+            sum(map(len, attributes.values())) <= grammar.MAX_ATTRIBUTE)
+        for name, value in () if is_fine else attributes.items():
             if name not in rule.allowed:
                 known = (*rule.required, *rule.optional)
                 self.report('L0104', element, f'{name}="{value}"', help=allowed(name, known),
@@ -96,14 +102,14 @@ class Form:
                 self.report('L0107', element, f'{name}="{value[:40]}..."', limit=limit,
                             what=f'an attribute of {len(value)} characters',
                             help=f'the limit of an attribute is {limit}; shorten it')
-        if not element.attributes.keys() >= rule.needed:
+        if not attributes.keys() >= rule.needed:
             for name in rule.required:
                 if name not in element.attributes:
                     self.report('L0105', element, attribute=name, element=element.tag)
         if element.text_line is not None:
             self.report('L0111', element, element.text, line=element.text_line,
                         element=element.tag)
-        if not rule.children:
+        if element.children and not rule.children:
             for child in element.children:
                 self.report('L0103', child, help=f'<{element.tag}> has no elements in it',
                             element=child.tag, parent=element.tag, allowed='')
@@ -191,23 +197,31 @@ class Form:
     def identifier(self, element: Element, attribute: str = 'id') -> str:
         """Return the id of a rung or component."""
         value = element.attributes.get(attribute, '')
+        known = self._identifiers.get(value)
+        if known is not None:
+            return known
         if attribute in element.attributes and (
             len(value) > grammar.MAX_NAME or not grammar.IDENTIFIER.fullmatch(value)
         ):
             self.bad_value(element, attribute, 'an id is letters, digits, _ and -, at most '
                            f'{grammar.MAX_NAME} of them')
-        return value
+            return value
+        return self._identifiers.setdefault(value, value) if value else ''
 
     def operand(self, element: Element, attribute: str = 'operand') -> str:
         """Return an operand, or another reference that the compiler looks up."""
         value = element.attributes.get(attribute)
         if value is None:
             return ''
+        known = self._operands.get(value)
+        if known is not None:
+            return known
         bare = value.strip(_XML_SPACE)
         if not bare or len(value) > grammar.MAX_OPERAND:
             self.bad_value(element, attribute, 'it may not be empty' if not bare else
                            f'it may have at most {grammar.MAX_OPERAND} characters')
-        return bare
+            return bare
+        return self._operands.setdefault(value, bare)
 
     def was(self, element: Element) -> tuple[str, ...]:
         """Return the places where the state of something was in earlier programs."""

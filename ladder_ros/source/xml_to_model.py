@@ -7,6 +7,7 @@ Form only: names are legal here, whether they mean something is the compiler's t
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 import os
@@ -95,6 +96,8 @@ class _Reader:
         """Uses of composites, and whether they stand in a drawing with wires."""
         self.blocks: list[tuple[str, str]] = []
         """Instances of function blocks that the section being read declares."""
+        self.placements: dict[tuple[object, ...], Placement] = {}
+        """Good placements, each once: many components stand in the same place of their rungs."""
 
     # -- the program ------------------------------------------------------------------------
 
@@ -189,7 +192,7 @@ class _Reader:
             return None
         type_ = self.types.read(element)
         initial: Initial = None
-        if type_ is not None:
+        if type_ is not None and (element.children or 'initial' in element.attributes):
             initial = self.types.initial(element, rule, type_)
         if initial is None and isinstance(type_ or DataType.BOOL, DataType):
             initial = default_value(elementary(type_ or DataType.BOOL) or DataType.BOOL)
@@ -391,6 +394,21 @@ class _Reader:
             self.form.cell = None
 
     def placement(self, element: Element) -> Placement:
+        get = element.attributes.get
+        x, y = get('x'), get('y')
+        key = (element.tag == 'column', x, y, get('width'), get('height'), get('up'), get('down'))
+        place = self.placements.get(key)
+        if place is None:
+            before = len(self.form.findings.diagnostics)
+            place = self.new_placement(element)
+            if len(self.form.findings.diagnostics) == before and not (x is None or y is None):
+                self.placements[key] = place
+        else:
+            self.form.cell = (place.x, place.y)
+        self.form.count(element, 'cells', grammar.MAX_CELLS, place.width * place.height)
+        return place
+
+    def new_placement(self, element: Element) -> Placement:
         attributes = element.attributes
         x, y = attributes.get('x', ''), attributes.get('y', '')
         if grammar.NUMBER.fullmatch(x) and grammar.NUMBER.fullmatch(y):
@@ -398,7 +416,6 @@ class _Reader:
         # A vertical line stands on a grid line and covers no cell.
         width = 0 if element.tag == 'column' else self.form.size(element, 'width')
         height = self.form.size(element, 'height')
-        self.form.count(element, 'cells', grammar.MAX_CELLS, width * height)
         return Placement(
             x=self.form.number(element, 'x'), y=self.form.number(element, 'y'),
             width=width, height=height, up=self.form.word(element, 'up', Side.NONE),
@@ -412,8 +429,8 @@ class _Reader:
         name = element.attributes.get('name', '')
         comment = element.attributes.get('comment', '')
         specification = ''
-        inner: dict[str, list[Argument]] = {'input': [], 'output': [], 'argument': []}
-        for child in self.form.children(element, rule):
+        inner: dict[str, list[Argument]] = defaultdict(list)
+        for child in self.form.children(element, rule) if element.children else ():
             if child.tag == 'specification':
                 specification = self.form.specification(child)
             else:

@@ -21,9 +21,9 @@ from xml.parsers import expat
 
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location, problem
 
-MAX_BYTES = 16 * 1024 * 1024
+MAX_BYTES = 128 * 1024 * 1024
 MAX_DEPTH = 32
-MAX_ELEMENTS = 500_000
+MAX_ELEMENTS = 2_000_000
 MAX_TEXT = 65_536
 MAX_DIAGNOSTICS = 100
 
@@ -162,8 +162,9 @@ def parse_tree(
         reading.parser.Parse(text, True)
     except expat.ExpatError as error:
         raise findings.stop(_malformed(reading, error, text)) from None
-    assert reading.root is not None, 'expat accepts no document without a root'
-    return reading.root
+    root, reading.root = reading.root, None  # it need not wait for the collector afterwards
+    assert root is not None, 'expat accepts no document without a root'
+    return root
 
 
 def _too_large(place: Location, what: str, limit: int) -> LadderError:

@@ -27,6 +27,7 @@ from ladder_ros.source.xml_tree import Element
 _ARRAY = re.compile(r'ARRAY \[([-0-9., ]+)\] OF (.+)')
 _RANGE = re.compile(r'(-?[0-9]{1,10})\.\.(-?[0-9]{1,10})')
 _SUBRANGE = re.compile(r'([A-Z]+) \((-?[0-9]{1,19})\.\.(-?[0-9]{1,19})\)')
+_BASIC = dict(DataType.__members__)
 _INTEGER = re.compile(r'-?[0-9]{1,19}')
 _MAX_NESTING = 24
 
@@ -62,8 +63,8 @@ class TypeReader:
         return found
 
     def _parse(self, text: str, depth: int) -> Type | None:
-        if text in DataType.__members__:
-            return DataType[text]
+        if (basic := _BASIC.get(text)) is not None:
+            return basic
         if text.casefold() in self.declared:
             return self.declared[text.casefold()]
         if (match := _ARRAY.fullmatch(text)) and depth:

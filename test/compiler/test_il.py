@@ -31,7 +31,7 @@ from ladder_ros.model.types import DataType
 def instruction_list(program: Program, *, observed: bool = False) -> InstructionList:
     stages = analyse(program)
     trees = build_sequences(stages) if observed else build_trees(program, stages)
-    return link_code(program, lower(trees))
+    return link_code(program, lower(trees)).code
 
 
 def instructions(code: InstructionList) -> Iterator[Instruction]:

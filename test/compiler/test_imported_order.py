@@ -20,8 +20,8 @@ from compiler.imported_programs import (
     wired,
     with_order,
 )
-from ladder_ros.compiler.dump import with_drawings
 from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
+from ladder_ros.coordinates.imported import with_drawings
 from ladder_ros.drawing.rung_text import draw_program
 from ladder_ros.executable import SlotClass
 from ladder_ros.model.program import Order

@@ -27,11 +27,11 @@ from compiler.imported_programs import (
 )
 from compiler.test_export import FORMS, there_and_back
 from ladder_ros.compiler import il_interpreter, il_to_python
-from ladder_ros.compiler.dump import with_drawings
 from ladder_ros.compiler.il import LoopError
 from ladder_ros.compiler.il_text import parse_il, print_il
 from ladder_ros.compiler.link import link_code
 from ladder_ros.compiler.pipeline import analyse, BACKENDS, build_trees, check_program, lower
+from ladder_ros.coordinates.imported import with_drawings
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.drawing.rung_text import draw_program
 from ladder_ros.model.program import Order, Program
@@ -286,7 +286,7 @@ def test_jump_when_its_label_is_misspelt_then_the_likely_one_is_named() -> None:
 def test_il_when_it_has_jumps_then_parses_back_to_the_same() -> None:
     given_ = read_any(CASES / 'jumps.xml')
     stages = analyse(given_)
-    code = link_code(given_, lower(build_trees(given_, stages)))
+    code = link_code(given_, lower(build_trees(given_, stages))).code
     assert print_il(parse_il(print_il(code))) == print_il(code)
     assert any(network.labels for routine in parse_il(print_il(code)).routines
                for network in routine.networks)

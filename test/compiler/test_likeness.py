@@ -8,17 +8,22 @@ from dataclasses import replace
 import gc
 from random import Random
 
+from hypothesis import given, settings
 import pytest
+from support.plants import flat_plant, program_of
+from support.random_rungs import Case, cases, Wishes
 
 from compiler.circuits import CircuitDrawing, random_circuit
 from ladder_ros.compiler.aov import Aov
 from ladder_ros.compiler.model_to_wiring import analyse_connections
+from ladder_ros.compiler.pipeline import analyse, build_trees, code_rungs, lower
 from ladder_ros.compiler.symbols import Ref, Resolved
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.garbage import collected_later
 from ladder_ros.model.component import Coil, Contact
 from ladder_ros.model.program import Rung
 from ladder_ros.model.types import DataType
+from ladder_ros.source.xml_tree import Element, Findings, parse_tree
 
 
 def renamed(rung: Rung) -> Rung:
@@ -76,6 +81,33 @@ def test_wiring_when_two_rungs_have_the_same_fault_then_each_is_named() -> None:
     assert first
     assert [d.code for d in first] == [d.code for d in second]
     assert [d.message for d in first] != [d.message for d in second]
+
+
+@given(case=cases(Wishes()))
+@settings(max_examples=60)
+def test_code_when_rungs_are_drawn_alike_then_is_that_of_each_ones_trees(case: Case) -> None:
+    program = case.program
+    stages = analyse(program)
+    assert code_rungs(program, stages) == lower(build_trees(program, stages))
+
+
+def test_code_when_a_plant_is_coded_then_is_that_of_each_ones_trees() -> None:
+    program = program_of(flat_plant(300))
+    stages = analyse(program)
+    assert len({id(aov.likeness) for aov in stages.graphs['body main']}) < 100
+    assert code_rungs(program, stages) == lower(build_trees(program, stages))
+
+
+def test_reader_when_the_tree_is_let_go_then_it_waits_for_no_collector() -> None:
+    gc.collect()
+    gc.disable()
+    try:
+        root = parse_tree(b'<ladder><body/><body/></ladder>', 'x.xml', Findings())
+        assert len(root.children) == 2
+        del root
+        assert not any(type(found) is Element for found in gc.get_objects())
+    finally:
+        gc.enable()
 
 
 def test_collector_when_told_to_wait_then_runs_afterwards_as_before() -> None:

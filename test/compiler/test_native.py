@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 import random
 
@@ -17,6 +17,7 @@ from support.random_rungs import Case, cases, random_case, VALUES
 
 from compiler.agreement import assert_agreement, assert_same, executable, Machine
 from ladder_ros.blocks import FUNCTIONS
+from ladder_ros.compiler import il_to_groups
 from ladder_ros.compiler import native as native_backend
 from ladder_ros.compiler.il import Call, Instruction, InstructionList, Network, Op, Routine
 from ladder_ros.compiler.llvm_machine import make_object
@@ -156,11 +157,14 @@ def test_native_code_when_a_program_is_random_then_agrees_with_the_drawing(
 
 # -- leaving out what cannot change --------------------------------------------------------------
 
-@pytest.mark.parametrize('plant', [flat_plant(400), station_plant(1000)], ids=['flat', 'stations'])
+@pytest.mark.parametrize('plant, least_members', [
+    (flat_plant(400), 16), (station_plant(1000), 1000), (station_plant(5000), 16),
+], ids=['flat', 'stations', 'stations abreast'])
 def test_scans_when_little_or_much_changes_then_every_value_is_that_of_python(
-    plant: Plant, monkeypatch: pytest.MonkeyPatch,
+    plant: Plant, least_members: int, monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(native_backend, 'LEAST_INSTRUCTIONS', 1000)
+    monkeypatch.setattr(il_to_groups, 'LEAST_MEMBERS', least_members)
     program = program_of(plant)
     machines = [Machine(program, backend) for backend in ('python', 'native')]
     native = machines[1]
@@ -190,6 +194,30 @@ def chunks_executed(state: object) -> int:
     assert isinstance(state, NativeState)
     (address, _), = state._areas.values()
     return int(ctypes.c_int64.from_address(address + 24).value)
+
+
+# -- other machines ------------------------------------------------------------------------------
+
+@pytest.mark.parametrize('plant', [flat_plant(200), station_plant(500)], ids=['flat', 'stations'])
+def test_code_when_the_machine_is_an_arm_then_it_compiles(
+    plant: Plant, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    import llvmlite.binding as llvm
+    monkeypatch.setattr(native_backend, 'LEAST_INSTRUCTIONS', 100)
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    try:
+        target = llvm.Target.from_triple('aarch64-unknown-linux-gnu')
+    except RuntimeError:
+        pytest.skip('this llvmlite compiles for its own machine only')
+    machine = target.create_target_machine(opt=1, reloc='pic', codemodel='small')
+    native = compile_program(program_of(plant), backend='native').native
+    assert native is not None
+    modules = native()[0].modules
+    assert any('@event_scan' in text for text in modules)
+    for text in modules:
+        made = machine.emit_object(llvm.parse_assembly(text))
+        assert made[:4] == b'\x7fELF' and made[18:20] == b'\xb7\x00'
 
 
 # -- moving between forms ------------------------------------------------------------------------
@@ -227,6 +255,23 @@ def test_cycle_when_it_moves_to_native_code_between_scans_then_nothing_changes(s
             cycle.scan(now)
         assert list(map(repr, moving.state)) == list(map(repr, python.state)), number
         assert moving.power == python.power
+
+
+def test_cycle_when_asked_what_runs_then_names_the_form_of_the_next_scan() -> None:
+    program = program_of(flat_plant(4))
+    native = compile_program(program, backend='native').executable
+    assert ScanCycle(native).runs_as == 'native'
+    first = compile_program(program).executable
+    moving = ScanCycle(replace(first, backend='native', faster=lambda: form_of(native)))
+    found = [moving.runs_as]
+    moving.move_to(form_of(native), native.make_state(first.outline.initial))
+    found.append(moving.runs_as)
+    moving.observe(True)
+    found.append(moving.runs_as)
+    moving.observe(False)
+    moving.force(1, True)
+    found.append(moving.runs_as)
+    assert found == ['python', 'native', 'python', 'python']
 
 
 def test_moment_when_it_is_gone_back_to_then_native_code_goes_on_from_there() -> None:

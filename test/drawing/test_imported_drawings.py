@@ -10,7 +10,7 @@ import re
 import pytest
 from support.plcopen import CASES, element, ladder, project, variable
 
-from ladder_ros.compiler.dump import with_drawings
+from ladder_ros.coordinates.imported import with_drawings
 from ladder_ros.drawing.rung_text import draw_program
 from ladder_ros.source.read_any import parse_any, read_any
 

@@ -104,7 +104,7 @@ def test_report_when_an_imported_program_has_errors_then_it_tells_them_without_d
     path = tmp_path / 'wrong.xml'
     path.write_text(text.replace('GVL.xLamp', 'GVL.nowhere'), encoding='utf-8')
     page = showing.as_html(path)
-    assert 'id="diagnostics"' in page
+    assert 'id="section.diagnostics"' in page
     assert dangling(page) == set()
 
 

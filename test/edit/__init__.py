@@ -1,3 +1,3 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of the compiler."""
+"""Tests of editing."""

@@ -6,13 +6,13 @@ from __future__ import annotations
 
 from random import Random
 
+from coordinates.graph_cases import graph_of, redrawn
 from hypothesis import given, settings
 from hypothesis import strategies as st
 import pytest
 from support.graphs import shape
 from support.random_rungs import Case, cases, Wishes
 
-from edit.graph_cases import graph_of, redrawn
 from edit.random_edits import random_edit
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.pipeline import check_program, compile_program

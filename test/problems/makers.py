@@ -24,8 +24,8 @@ from ladder_ros.compiler.pipeline import analyse
 from ladder_ros.compiler.symbols import Resolved
 from ladder_ros.compiler.wiring import End, Net, Part, Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
+from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.diagnostics import LadderError, render
-from ladder_ros.edit.aov_to_rung import draw_rung
 from ladder_ros.model.component import Contact, Placement
 from ladder_ros.model.program import Rung
 from ladder_ros.proving import prove_never

@@ -34,6 +34,8 @@ def test_settings_when_nothing_is_given_then_they_are_the_defaults() -> None:
     ('program_folders', 'a'), ('program_folders', [1]), ('status_period', 0.0),
     ('forces', 'a=1'), ('io.a.qos', 'lathed'), ('io.a.publish', 'never'), ('io.a.timeout', -1.0),
     ('io.a.topic', 5), ('io.a.catch_pulse', 'x'), ('io.a.fallback', [1]),
+    ('real_time.priority', 100), ('real_time.cpus', 3), ('real_time.cpus', '3-'),
+    ('real_time.cpus', '6-4'), ('real_time.cpus', 'all'), ('real_time.lock_memory', 1),
 ])
 def test_parameter_when_the_value_is_wrong_then_it_is_named_with_what_to_write(
         name: str, value: Any) -> None:
@@ -44,6 +46,14 @@ def test_parameter_when_the_value_is_wrong_then_it_is_named_with_what_to_write(
 
 def test_period_when_written_as_an_integer_then_it_is_taken() -> None:
     assert read_settings({'scan_period': 1})[0].scan_period == 1_000_000_000
+
+
+@pytest.mark.parametrize(('text', 'cpus'), [
+    ('', set()), ('2', {2}), ('1,4-6', {1, 4, 5, 6}), (' 0 , 0-1 ', {0, 1}),
+])
+def test_processors_when_listed_then_they_are_those(text: str, cpus: set[int]) -> None:
+    settings, found = read_settings({'real_time.cpus': text})
+    assert (settings.real_time.cpus, found) == (cpus, ())
 
 
 def test_parameter_when_misspelt_then_a_warning_names_the_nearest() -> None:

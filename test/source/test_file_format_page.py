@@ -50,7 +50,7 @@ def test_page_when_read_then_gives_the_limits_that_are_enforced() -> None:
         name: value for module in (grammar, xml_tree) for name, value in vars(module).items()
         if name.startswith('MAX_') and name != 'MAX_BYTES'
     }
-    assert xml_tree.MAX_BYTES == 16 << 20 and '16 MiB' in PAGE
+    assert xml_tree.MAX_BYTES == 128 << 20 and '128 MiB' in PAGE
     for name, value in limits.items():
         assert f'{value:,}'.replace(',', ' ') in PAGE, name
 

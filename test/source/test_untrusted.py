@@ -131,7 +131,12 @@ LIMITS: dict[str, tuple[Callable[[], bytes], str]] = {
 
 
 @pytest.mark.parametrize('name', LIMITS)
-def test_file_when_it_passes_a_limit_then_is_refused_and_the_limit_named(name: str) -> None:
+def test_file_when_it_passes_a_limit_then_is_refused_and_the_limit_named(
+    name: str, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for limit in ('MAX_COMPONENTS', 'MAX_RUNGS', 'MAX_VARIABLES'):  # smaller: it is the same test
+        monkeypatch.setattr(grammar, limit, 20_000)
+    monkeypatch.setattr(xml_tree, 'MAX_ELEMENTS', 200_000)
     make, word = LIMITS[name]
     found = refusal(make())
     assert found.code == 'L0107'

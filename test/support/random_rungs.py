@@ -538,7 +538,7 @@ class Impossible(Exception):
 
 # -- whole programs ------------------------------------------------------------------------------
 
-def _rungs(rng: Random, names: Names, wishes: Wishes, limit: int) -> tuple[Rung, ...]:
+def make_rungs(rng: Random, names: Names, wishes: Wishes, limit: int) -> tuple[Rung, ...]:
     """Make some rungs of one POU."""
     made = []
     for number in range(1, 2 + rng.randrange(limit)):
@@ -582,7 +582,7 @@ def _composite(rng: Random, index: int, known: list[Composite], wishes: Wishes) 
     return Composite(
         name=f'Comp{index}', call=CallKind.INLINE if rng.randrange(2) else CallKind.ENABLED,
         parameters=tuple(parameters), variables=variables,
-        rungs=_rungs(rng, names, inner, 2))
+        rungs=make_rungs(rng, names, inner, 2))
 
 
 POOL: dict[DataType, int] = {BOOL: 6, INT: 3, DINT: 1, REAL: 2, TIME: 2, STRING: 1}
@@ -608,13 +608,14 @@ def random_case(rng: Random, wishes: Wishes | None = None) -> Case:
             names.readable.setdefault(type_, []).append(name)
             if not is_input:
                 names.writable.setdefault(type_, []).append(name)
-    bodies = [Body(name='main', rungs=_rungs(rng, names, wishes, 3))]
+    bodies = [Body(name='main', rungs=make_rungs(rng, names, wishes, 3))]
     if rng.randrange(4) == 0:
         once = Names(readable={t: [n for n in known if '.' not in n]
                                for t, known in names.readable.items()},
                      writable=names.writable, composites=[], count=500)
         small = replace(wishes, max_rows=2, composites=False)
-        bodies.append(Body(name='startup', run=RunKind.ONCE, rungs=_rungs(rng, once, small, 1)))
+        bodies.append(Body(
+            name='startup', run=RunKind.ONCE, rungs=make_rungs(rng, once, small, 1)))
     program = Program(
         name='random', bodies=tuple(bodies), composites=tuple(composites),
         variables=tuple(variables))

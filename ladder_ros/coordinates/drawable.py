@@ -15,7 +15,7 @@ from dataclasses import replace
 
 from ladder_ros.compiler.aov import Aov, operand_text, SymbolVertex
 from ladder_ros.compiler.symbols import Operand
-from ladder_ros.model.catalogue import CATALOGUE
+from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.component import Argument, Block, Coil, Component, Contact, Instance
 
 Sides = tuple[set[str], set[str]]
@@ -102,16 +102,22 @@ def _in_place(
         outputs=tuple(argument(old, outputs) for old in component.outputs))
 
 
+def _pin_name(kind: BlockKind | None, name: str, enters: bool) -> str:
+    """Return a pin as the catalogue spells it; a block that is not in there keeps its own."""
+    pin = None if kind is None else kind.input(name) if enters else kind.output(name)
+    return name if pin is None else pin.name
+
+
 def _with_rows(symbol: SymbolVertex, pins: Sides) -> SymbolVertex:
     """Give the power pins that have no row the next free ones."""
     block = symbol.component
     if not isinstance(block, Block):
         return symbol
-    kind = CATALOGUE[block.type.upper()]
+    kind = CATALOGUE.get(block.type.upper())
     sides = []
-    for arguments, find, powered in ((block.inputs, kind.input, pins[0]),
-                                     (block.outputs, kind.output, pins[1])):
-        placed = {pin.name for a in arguments if a.row is not None and (pin := find(a.pin))}
+    for arguments, enters, powered in ((block.inputs, True, pins[0]),
+                                       (block.outputs, False, pins[1])):
+        placed = {_pin_name(kind, a.pin, enters) for a in arguments if a.row is not None}
         row = max((a.row for a in arguments if a.row is not None), default=0)
         missing = sorted(powered - placed)
         sides.append(arguments + tuple(

@@ -17,7 +17,7 @@ import math
 from ladder_ros.compiler.aov import Aov
 from ladder_ros.compiler.wiring import Rail
 from ladder_ros.model.catalogue import CATALOGUE
-from ladder_ros.model.component import Block, Component
+from ladder_ros.model.component import Block, Component, power_pins
 
 LEFT, RIGHT = 0, 1
 """The power rails as junctions."""
@@ -244,10 +244,10 @@ class _Cutter:
 
 def pin_row(component: Component, pin: str, *, enters: bool) -> int:
     """Return the row of a block's pin, counted from its main one."""
-    assert isinstance(component, Block)
-    kind = CATALOGUE[component.type.upper()]
-    for argument in component.inputs if enters else component.outputs:
-        found = kind.input(argument.pin) if enters else kind.output(argument.pin)
-        if argument.row is not None and found is not None and found.name == pin:
+    kind = CATALOGUE.get(component.type.upper()) if isinstance(component, Block) else None
+    for into, argument in power_pins(component):
+        known = kind and (kind.input(argument.pin) if into else kind.output(argument.pin))
+        if into is enters and argument.row is not None and pin == (
+                known.name if known else argument.pin):
             return argument.row
     raise AssertionError(f'{component.id} has no power pin {pin}')

@@ -22,9 +22,8 @@ from ladder_ros.compiler.aov_to_tree import reduce_to_tree
 from ladder_ros.compiler.model_to_wiring import analyse_connections
 from ladder_ros.compiler.tree import Leaf, leaves
 from ladder_ros.compiler.wiring_to_aov import build_aov
-from ladder_ros.diagnostics import has_errors, InternalError, LadderError
-from ladder_ros.edit.drawable import with_drawable_components
-from ladder_ros.edit.placing import (
+from ladder_ros.coordinates.drawable import with_drawable_components
+from ladder_ros.coordinates.placing import (
     by_order,
     by_place,
     by_power,
@@ -34,8 +33,9 @@ from ladder_ros.edit.placing import (
     place_strips,
     Placing,
 )
-from ladder_ros.edit.strips import cut_into_strips, LEFT, RIGHT
-from ladder_ros.model.component import Coil, Column, Component, Placement, Row, Side
+from ladder_ros.coordinates.strips import cut_into_strips, LEFT, RIGHT
+from ladder_ros.diagnostics import has_errors, InternalError, LadderError
+from ladder_ros.model.component import Coil, Column, Component, Jump, Placement, Row, Side
 from ladder_ros.model.program import Rung
 
 
@@ -176,7 +176,7 @@ class _Drawing:
         outputs = 0
         if piece.after == RIGHT:
             while outputs < len(piece.items) and isinstance(
-                    parts[piece.items[-1 - outputs]], Coil):
+                    parts[piece.items[-1 - outputs]], (Coil, Jump)):
                 outputs += 1
         head = len(piece.items) - outputs
         first = len(self.made)

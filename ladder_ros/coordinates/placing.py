@@ -18,8 +18,8 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 import math
 
-from ladder_ros.edit.skyline import Skyline
-from ladder_ros.edit.strips import Lead, LEFT, RIGHT, Strip, Strips
+from ladder_ros.coordinates.skyline import Skyline
+from ladder_ros.coordinates.strips import Lead, LEFT, RIGHT, Strip, Strips
 from ladder_ros.model.component import Block, Component, Instance
 
 

@@ -17,12 +17,12 @@ import pytest
 from support.graphs import crossings, shape
 from support.random_rungs import Case, cases, Wishes
 
-from edit.graph_cases import graph, graph_of, observable_order, redrawn
+from coordinates.graph_cases import graph, graph_of, observable_order, redrawn
 from ladder_ros.compiler.aov import Aov
 from ladder_ros.compiler.pipeline import analyse
+from ladder_ros.coordinates.aov_to_rung import draw_aov, draw_rung
+from ladder_ros.coordinates.drawable import with_drawable_components
 from ladder_ros.drawing.rung_text import draw_rung as as_text
-from ladder_ros.edit.aov_to_rung import draw_aov, draw_rung
-from ladder_ros.edit.drawable import with_drawable_components
 from ladder_ros.model.component import Coil, Column, Component, Placement, Row
 from ladder_ros.model.program import Program, Rung
 

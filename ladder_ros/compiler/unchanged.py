@@ -1,0 +1,92 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Which rungs of a program are those of an earlier one, and mean the same there.
+
+A rung is a value: one that is the same object as before, and whose names are declared as before,
+has the same connections, graph and code.  Imported drawings are compiled anew each time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from ladder_ros.compiler.symbols import pou_key, Scope, Symbols
+from ladder_ros.model.component import Argument, Block, Coil, Contact, Instance
+from ladder_ros.model.program import Pou, Program, Rung
+
+
+def same_rungs(
+    before: Program, symbols: Symbols, now: Program, scopes: Mapping[str, Scope],
+) -> dict[str, dict[int, int]]:
+    """Return by POU key, and by ``id`` of the rung, its place among the POU's rungs before.
+
+    ``symbols`` are those of the program before, ``scopes`` the names that each POU sees now.
+    """
+    if before.dialect != 'native' or now.dialect != 'native' or before.types != now.types or (
+            before.enumerations != now.enumerations):
+        return {}
+    composites = {c.name.casefold(): id(c) for c in before.composites}
+    changed = {c.name.casefold() for c in now.composites
+               if composites.pop(c.name.casefold(), None) != id(c)} | composites.keys()
+    old = {pou_key(pou): pou for pou in _pous(before)}
+    found: dict[str, dict[int, int]] = {}
+    for pou in _pous(now):
+        key = pou_key(pou)
+        same = old.get(key)
+        if same is None or getattr(same, 'call', None) is not getattr(pou, 'call', None):
+            continue
+        other = changed | _changed(symbols.scopes[key], scopes[key])
+        here = {id(rung) for rung in pou.rungs}
+        found[key] = {
+            id(rung): place for place, rung in enumerate(same.rungs)
+            if id(rung) in here and id(rung) not in symbols.noted
+            and (not other or other.isdisjoint(_names(rung)))}
+    return found
+
+
+def _pous(program: Program) -> tuple[Pou, ...]:
+    return (*program.composites, *program.bodies)
+
+
+def _changed(before: Scope, now: Scope) -> set[str]:
+    """Return the casefolded names that do not mean what they meant."""
+    found: set[str] = set()
+    tables: tuple[tuple[Mapping[str, object], Mapping[str, object]], ...] = (
+        (before.symbols, now.symbols), (before.blocks, now.blocks),
+        (before.untyped, now.untyped))
+    for old, new in tables:
+        if old != new:
+            found.update(name for name in old.keys() | new.keys()
+                         if name not in old or name not in new or old[name] != new[name])
+    # What an instance's composite is has been compared already.
+    found.update(before.instances.keys() ^ now.instances.keys())
+    return found
+
+
+def _names(rung: Rung) -> Iterator[str]:
+    """Yield all casefolded names that a rung uses: variables, instances, composites."""
+    for component in rung.components:
+        if isinstance(component, (Contact, Coil)):
+            yield from _roots(component.operand)
+        elif isinstance(component, Block):
+            yield component.instance.casefold()
+            yield component.type.casefold()
+            yield from _arguments(component.inputs)
+            yield from _arguments(component.outputs)
+        elif isinstance(component, Instance):
+            yield component.instance.casefold()
+            yield component.composite.casefold()
+            yield from _arguments(component.arguments)
+
+
+def _arguments(arguments: tuple[Argument, ...]) -> Iterator[str]:
+    for argument in arguments:
+        yield from _roots(argument.operand)
+
+
+def _roots(operand: str) -> Iterator[str]:
+    """Yield the names that the meaning of an operand can depend on: ``t1.Q`` and ``t1``."""
+    name = operand.casefold()
+    yield name
+    if '.' in name:
+        yield name.partition('.')[0]
