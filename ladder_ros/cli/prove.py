@@ -84,7 +84,7 @@ def _lines(proof: Proof, old: str, new: str | None) -> Iterator[str]:
     if proof.shown is None:
         return
     yield f'{_headline(proof)}\n'
-    width = max(len(name) for name, _, _ in proof.shown.values)
+    width = max((len(name) for name, _, _ in proof.shown.values), default=0)
     for name, before, after in proof.shown.values:
         yield (f'  {name:<{width}}  {before} in {old}, {after} in {new}\n' if new is not None
                else f'  {name:<{width}}  {before}\n')

@@ -71,8 +71,9 @@ def _shared(lines: Sequence[list[str]]) -> list[str]:
 
 
 def is_legal(name: str) -> bool:
-    """Say whether something of our own format may have this name."""
-    return len(name) <= MAX_NAME and NAME.fullmatch(name) is not None
+    """Say whether something of our own format may have this name; a literal is none."""
+    return len(name) <= MAX_NAME and NAME.fullmatch(name) is not None and (
+        name.upper() not in ('TRUE', 'FALSE'))
 
 
 def is_block(name: str) -> bool:

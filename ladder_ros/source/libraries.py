@@ -19,6 +19,7 @@ from pathlib import Path
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.component import Instance
 from ladder_ros.model.program import Composite, Pou, Program, Rung, Use
+from ladder_ros.source.grammar import LIBRARY
 from ladder_ros.source.xml_to_model import parse_program
 from ladder_ros.source.xml_tree import read_file
 
@@ -100,8 +101,11 @@ def _parsed(
 def find_library(name: str, file: str, location: Location) -> Path:
     """Return the path of the library that a program file means by a name.
 
-    Raises LadderError L0633 if no folder has it.
+    Raises LadderError L0633 if no folder has it, or if no program could say where it is.
     """
+    if not LIBRARY.fullmatch(name):
+        raise _problem(name, location, 'its path may lead out of the folder of the program',
+                       'write a path below that folder: library/elevator.xml')
     folders = [Path(file).parent, *map(Path, filter(None, os.environ.get(
         FOLDERS, '').split(os.pathsep)))]
     for folder in folders:

@@ -66,3 +66,22 @@ def test_prove_when_there_is_nothing_to_prove_then_it_is_an_error(
 ) -> None:
     assert main(['prove', 'start_stop']) == 1
     assert 'L0671' in capsys.readouterr().err
+
+
+def test_prove_when_a_program_has_no_variables_then_its_violation_is_shown(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str],
+) -> None:
+    path = tmp_path / 'empty.xml'
+    path.write_text('<ladder version="1" name="empty"><body name="main"/></ladder>')
+    assert main(['prove', str(path), '--never', 'TRUE']) == 1
+    assert capsys.readouterr().out.startswith('violated: never TRUE')
+
+
+def test_prove_when_a_long_expression_is_wrong_then_the_problem_stays_readable(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    expression = ' AND '.join(['NOT (ready'] * 2000)
+    assert main(['prove', 'start_stop', '--never', expression]) == 1
+    shown = ''.join(capsys.readouterr())
+    assert 'L0120' in shown
+    assert len(shown) < 1000

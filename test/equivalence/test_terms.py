@@ -82,3 +82,16 @@ def test_sum_when_of_constants_or_a_choice_of_them_then_it_is_computed() -> None
     chosen = terms.apply('ADD', int_, int_, terms.ite(a, one, two), one)
     assert chosen is terms.ite(a, two, terms.const(3, int_))
     assert terms.same(chosen, two) is a
+
+
+def test_choice_when_it_is_one_of_thousands_then_what_is_applied_goes_to_each() -> None:
+    terms = Terms()
+    chosen = terms.const(0, DataType.INT)
+    for number in range(3000):
+        chosen = terms.ite(
+            terms.var(f'c{number}', BOOL), terms.const(number, DataType.INT), chosen)
+    limit = terms.const(2000, DataType.INT)
+    less = terms.apply('LT', DataType.INT, BOOL, chosen, limit)
+    for last in (0, 1999, 2000, 2999):
+        found = evaluate(terms, [less], lambda term, last=last: term.name == f'c{last}')
+        assert found[less.number] is (last < 2000)

@@ -38,6 +38,16 @@ def codes(path: Path) -> list[str]:
     return [diagnostic.code for diagnostic in session.check(path)]
 
 
+@pytest.mark.parametrize('path', ['../lift.xml', 'library/../lift.xml', '{folder}/lift.xml'])
+def test_use_when_no_program_could_name_the_path_then_it_is_refused(
+    folder: Path, path: str,
+) -> None:
+    path = path.format(folder=folder)
+    with pytest.raises(LadderError) as caught:
+        refactoring.use_library(folder / 'small.xml', path)
+    assert [one.code for one in caught.value.diagnostics] == ['L0633']
+
+
 def test_library_when_used_then_the_program_runs_as_before(folder: Path) -> None:
     before, after = (
         Machine(read_any(folder / name)) for name in ('elevator.xml', 'small.xml'))

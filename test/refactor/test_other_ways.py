@@ -165,7 +165,8 @@ def test_rename_when_a_parameter_is_renamed_then_its_arguments_are_too() -> None
 
 
 @pytest.mark.parametrize(('old', 'new', 'code'), [
-    ('m1', 'k1', 'L0632'), ('m1', '9', 'L0632'), ('nothing', 'x', 'L0630'),
+    ('m1', 'k1', 'L0632'), ('m1', '9', 'L0632'), ('m1', 'True', 'L0632'),
+    ('nothing', 'x', 'L0630'),
     ('Box', 'TON', 'L0632'), ('box_1', 'box_2', 'L0632')])
 def test_rename_when_it_cannot_be_then_it_is_refused(old: str, new: str, code: str) -> None:
     mixed = extract_rungs(program(*RUNGS, declared=DECLARED), 'main', ['3', '4'], name='Box')[0]

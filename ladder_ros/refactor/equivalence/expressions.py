@@ -22,6 +22,10 @@ FindSlot = Callable[[str, Location], Slot]
 """Returns the slot of a path; raises LadderError L0502 if there is none."""
 
 
+_SHOWN = 60
+"""Characters of an expression that stand for its file where a problem is shown."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Condition:
     """What computes a condition, and where its value is then.
@@ -40,7 +44,8 @@ def read_condition(text: str, find: FindSlot) -> Condition:
     Raises LadderError: L0502 for an unknown variable, and those of Structured Text.
     """
     names = _Names(find=find)
-    expression = names.resolved(parse_expression(text, Location(file=text)))
+    shown = text if len(text) <= _SHOWN else f'{text[:_SHOWN]}...'
+    expression = names.resolved(parse_expression(text, Location(file=shown)))
     lowering = Lowering(scope=Scope(pou='', symbols=names.symbols))
     code, result = lower_expression(expression, lowering, DataType.BOOL)
     if result is None:

@@ -213,11 +213,19 @@ class Terms:
     def _into_choice(
         self, op: str, at: DataType, type_: DataType, args: Sequence[Term], place: int,
     ) -> Term:
-        condition, then, other = args[place].args
+        """Apply to what each choice may be, the innermost first: chains of them may be long."""
         before, after = tuple(args[:place]), tuple(args[place + 1:])
-        return self.ite(
-            condition, self.apply(op, at, type_, *before, then, *after),
-            self.apply(op, at, type_, *before, other, *after))
+        found: dict[int, Term] = {}
+
+        def applied(one: Term) -> Term:
+            known = found.get(one.number)
+            return known if known is not None else self.apply(
+                op, at, type_, *before, one, *after)
+
+        for choice in _choices(args[place]):
+            condition, then, other = choice.args
+            found[choice.number] = self.ite(condition, applied(then), applied(other))
+        return found[args[place].number]
 
     def step(self, op: str, at: DataType) -> Step:
         """Return what computes an application of values."""
@@ -233,6 +241,18 @@ def _number(term: Term) -> int:
 
 def _has_constants(term: Term) -> bool:
     return term.op is ITE and (term.args[1].op is CONST or term.args[2].op is CONST)
+
+
+def _choices(root: Term) -> list[Term]:
+    """Return a choice with constants and all such choices in its branches, parts first."""
+    found: dict[int, Term] = {}
+    pending = [root]
+    while pending:
+        term = pending.pop()
+        if term.number not in found and _has_constants(term):
+            found[term.number] = term
+            pending += term.args[1:]
+    return sorted(found.values(), key=_number)
 
 
 def _same(a: Value, b: Value) -> bool:
