@@ -36,7 +36,8 @@ from ladder_ros.source.plcopen_report import Report
 from ladder_ros.source.plcopen_values import coordinate
 from ladder_ros.source.xml_tree import Element
 
-_MAX_WIRES = 2 * MAX_COMPONENTS
+_SOME_WIRES, _WIRES_EACH = 100_000, 8
+"""Wires that any drawing may have, and more for each component: connectors can multiply them."""
 _MAX_LINKS = 100
 """Connectors and continuations in a row."""
 _MAX_COMMENT = 2000
@@ -211,8 +212,13 @@ class _Reader:
             for source in self.sources(connection):
                 self.wires[Wire(source=source, target=target)] = None
                 self.used |= {source.component, target.component}
-                if len(self.wires) > _MAX_WIRES:
-                    raise self.too_large('wires', _MAX_WIRES)
+                self.check_wires(len(self.wires))
+
+    def check_wires(self, count: int) -> None:
+        """Raise LadderError (L0107) for more wires than a drawing of so many parts needs."""
+        limit = _SOME_WIRES + _WIRES_EACH * len(self.parts)
+        if count > limit:
+            raise self.too_large('wires', limit)
 
     def sources(self, connection: Element) -> tuple[Port, ...]:
         """Return the ports that a connection starts at: none if it dangles."""
@@ -259,8 +265,7 @@ class _Reader:
             self.depth -= 1
             self.continued[name] = tuple(found)
             self.linked += len(found)
-            if self.linked > _MAX_WIRES:
-                raise self.too_large('wires', _MAX_WIRES)
+            self.check_wires(self.linked)
         return self.continued[name]
 
     # -- components -------------------------------------------------------------------------
