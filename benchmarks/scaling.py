@@ -26,7 +26,6 @@ import os
 from pathlib import Path
 import random
 import re
-import resource
 import shutil
 from statistics import median
 import subprocess
@@ -73,10 +72,10 @@ TITLES = {'scan_ns_per_rung': 'scan, ns a rung', 'ready_s': 'ready, s',
           'kept_kib_per_rung': 'memory, KiB a rung', 'most_kib_per_rung': 'at most'}
 
 
-def resident() -> float:
-    """Return the memory of this process in KiB."""
-    pages = int(Path('/proc/self/statm').read_text(encoding='ascii').split()[1])
-    return pages * resource.getpagesize() / 1024
+def memory(what: str) -> float:
+    """Return the memory of this process in KiB: VmRSS, or VmHWM for the most that it had."""
+    text = Path('/proc/self/status').read_text(encoding='ascii')
+    return float(text.partition(f'{what}:')[2].split()[0])
 
 
 def scan_time(scan: Callable[[int], object], rungs: int,
@@ -112,14 +111,14 @@ def cost_of(backend: str, rungs: int) -> Cost:
     names = tuple(plant.inputs)
     del plant
     gc.collect()
-    before, began = resident(), time.perf_counter()
+    before, began = memory('VmRSS'), time.perf_counter()
     executable = compile_program(parse_any(data, 'plant.xml'), backend=backend).executable
     scan, state = executable.build(Variant())['main'], executable.initial_state()
     scan(state, 0, None)
     ready = time.perf_counter() - began
-    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
+    most = memory('VmHWM') - before
     gc.collect()
-    kept = resident() - before
+    kept = memory('VmRSS') - before
     index = {name: executable.by_path[name].index for name in names}
     return Cost(
         backend=backend, rungs=rungs, ready_s=ready, kept_kib_per_rung=kept / rungs,
