@@ -22,7 +22,8 @@ from pathlib import Path
 import random
 import sys
 
-from ladder_ros.compiler.pipeline import BACKENDS, compile_program
+from ladder_ros.compiler.backends import BACKENDS
+from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Executable, SlotClass
 from ladder_ros.model.program import Program

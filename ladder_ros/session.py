@@ -14,8 +14,9 @@ import os
 from typing import TypeVar
 
 from ladder_ros.background.process import COMPILER
+from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.compiler.dump import dump_stage, STAGES
-from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
+from ladder_ros.compiler.pipeline import check_program, compile_program
 from ladder_ros.compiler.program_to_plcopen import write_plcopen
 from ladder_ros.compiler.program_to_st import write_il, write_st
 from ladder_ros.compiler.program_to_xml import write_xml

@@ -17,7 +17,8 @@ import zlib
 
 import pytest
 
-from ladder_ros.compiler.pipeline import BACKENDS, compile_program
+from ladder_ros.compiler.backends import BACKENDS
+from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Executable, State, Variant
 from ladder_ros.model.program import Program

@@ -92,7 +92,7 @@ WITHOUT_CLOCK = ('problems', 'diagnostics', 'model', 'source', 'drawing', 'execu
                  'compiler', 'coordinates', 'edit', 'runtime', 'background')
 
 # Modules of the compiler that run it as others do, from outside.
-USERS = {'pipeline', 'dump', 'rung_code'}
+USERS = {'pipeline', 'backends', 'dump', 'rung_code'}
 NOUNS = ('symbols', 'wiring', 'aov', 'tree', 'il')
 
 # Stages know no other stage, but for parts of their own work: an imported drawing is put in order

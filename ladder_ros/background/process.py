@@ -30,9 +30,10 @@ from ladder_ros.background.packing import (
     unpack_native,
     unpack_transition,
 )
+from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.compiler.native import load_native, NativeProgram, on_values
 from ladder_ros.compiler.native_state import StateForm
-from ladder_ros.compiler.pipeline import BACKENDS, Compilation, compile_program
+from ladder_ros.compiler.pipeline import Compilation, compile_program
 from ladder_ros.diagnostics import InternalError, LadderError, Location
 from ladder_ros.executable import Executable, Form, Scan, Variant
 from ladder_ros.model.types import Value

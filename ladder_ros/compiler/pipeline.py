@@ -16,29 +16,30 @@ from weakref import ref
 from ladder_ros.compiler.access_keys import access_key
 from ladder_ros.compiler.aov import Aov
 from ladder_ros.compiler.aov_to_tree import reduce_to_tree, sequence
+from ladder_ros.compiler.backends import (
+    Backend,
+    BACKENDS,
+    many_copies,
+    native_code,
+    python_code,
+    Slots,
+)
 from ladder_ros.compiler.checks import check_coils, check_size
-from ladder_ros.compiler.il import InstructionList, Network
-from ladder_ros.compiler.il_interpreter import interpret_il
-from ladder_ros.compiler.il_to_python import emit_python
+from ladder_ros.compiler.il import Network
 from ladder_ros.compiler.il_verify import verify_il
 from ladder_ros.compiler.imported import is_imported, lowering_of, needed_pous, unsupported_bodies
 from ladder_ros.compiler.inline_composites import expand_inline
 from ladder_ros.compiler.inventory import list_routines, list_rungs, list_tasks
 from ladder_ros.compiler.lay_out import lay_out, lay_out_variables, VariableSlots
 from ladder_ros.compiler.link import link_code, Linked, list_components
-from ladder_ros.compiler.llvm_machine import make_object, why_missing
+from ladder_ros.compiler.llvm_machine import why_missing
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
 from ladder_ros.compiler.native import (
-    emit_native,
     layout_of,
-    load_native,
     NativeProgram,
-    on_values,
 )
-from ladder_ros.compiler.native_lanes import arrange_lanes, load_lanes, NativeLanes
 from ladder_ros.compiler.native_state import StateForm
-from ladder_ros.compiler.object_cache import ObjectCache
 from ladder_ros.compiler.python_code import Emitted
 from ladder_ros.compiler.rung_code import code_rung
 from ladder_ros.compiler.st_to_il import lower_statements
@@ -55,7 +56,6 @@ from ladder_ros.executable import (
     ComponentEntry,
     Entry,
     Executable,
-    LANES,
     Lanes,
     Later,
     Scan,
@@ -158,7 +158,7 @@ def compile_program(
         executable=executable, work=work,
         diagnostics=missing + work.stages.diagnostics + check_coils(code, components),
         first=executable.build if form is None else lambda variant: builder.build(
-            variant, _python),
+            variant, python_code),
         native=None if form is None else builder.native)
 
 
@@ -216,7 +216,7 @@ class _Builder:
             work.program, work.linked.code, work.stages.graphs, self._by_path)
 
     def build(self, variant: Variant, backend: Backend) -> Mapping[str, Scan]:
-        if variant != Variant() or backend is not _python:
+        if variant != Variant() or backend is not python_code:
             return self._build(variant, backend)
         if self._plain is None:
             self._plain = self._build(variant, backend)
@@ -233,11 +233,11 @@ class _Builder:
 
     def native(self) -> tuple[NativeProgram, Mapping[str, Scan]]:
         assert self._form is not None
-        return _emit_native(self.work().linked.code, self._slots(), Later(self.components),
+        return native_code(self.work().linked.code, self._slots(), Later(self.components),
                             Variant(), self._form)
 
     def lanes(self, slots: Sequence[Slot]) -> Lanes | None:
-        return _lanes(self.work().linked.code, self._slots(), slots)
+        return many_copies(self.work().linked.code, self._slots(), slots)
 
     def _slots(self) -> Slots:
         return {path: slot.index for path, slot in self._by_path.items()}
@@ -471,78 +471,3 @@ def _collect(
 
 def _in_order(found: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     return tuple(sorted(found, key=lambda d: (d.location.line or 0, d.code)))
-
-
-# -- backends -------------------------------------------------------------------------------
-
-Slots = Mapping[str, int]
-"""Indices by casefolded path."""
-
-Components = Sequence[ComponentEntry]
-"""What power flow is observed of."""
-
-
-def _python(
-    code: InstructionList, slots: Slots, components: Components, variant: Variant,
-    form: StateForm | None, emitted: Emitted | None = None,
-) -> Mapping[str, Scan]:
-    functions, pieces = emit_python(
-        code, slots, _indices(components) if variant.observed else {},
-        observed=variant.observed, forced=variant.forced,
-        earlier=emitted.pieces if emitted is not None else None)
-    if emitted is not None:
-        emitted.pieces = pieces
-    return functions
-
-
-def _interpreter(
-    code: InstructionList, slots: Slots, components: Components, variant: Variant,
-    form: StateForm | None, emitted: Emitted | None = None,
-) -> Mapping[str, Scan]:
-    return interpret_il(code, slots, _indices(components), variant.forced)
-
-
-def _indices(components: Components) -> Mapping[str, int]:
-    return {entry.path: entry.index for entry in components}
-
-
-def _native(
-    code: InstructionList, slots: Slots, components: Components, variant: Variant,
-    form: StateForm | None, emitted: Emitted | None = None,
-) -> Mapping[str, Scan]:
-    assert form is not None
-    if variant.observed:
-        python = _python(code, slots, components, variant, form)
-        return {body: on_values(scan) for body, scan in python.items()}
-    program, rest = _emit_native(code, slots, components, variant, form)
-    cached = ObjectCache()
-    return load_native(
-        program, [make_object(text, cached) for text in program.modules], rest)
-
-
-def _lanes(code: InstructionList, index: Slots, slots: Sequence[Slot]) -> Lanes | None:
-    """Return many copies of a program, or None if that is impossible."""
-    layout = arrange_lanes(slots)
-    program = emit_native(code, index, layout, lanes=LANES)
-    if program.why_not:
-        return None
-    cached = ObjectCache()
-    objects = [make_object(text, cached) for text in program.modules]
-    return Lanes(functions=load_lanes(program, objects), state=NativeLanes(layout, slots))
-
-
-def _emit_native(
-    code: InstructionList, slots: Slots, components: Components, variant: Variant, form: StateForm,
-) -> tuple[NativeProgram, Mapping[str, Scan]]:
-    """Emit native code; return it, and the scan functions of what it leaves to Python."""
-    program = emit_native(code, slots, form.layout, variant.forced)
-    return program, _python(program.rest, slots, components, variant, form)
-
-
-Backend = Callable[
-    [InstructionList, Slots, Components, Variant, 'StateForm | None', 'Emitted | None'],
-    Mapping[str, Scan]]
-
-BACKENDS: Mapping[str, Backend] = {
-    'python': _python, 'interpreter': _interpreter, 'native': _native}
-"""Each backend by its name; the first is the default."""

@@ -10,7 +10,8 @@ from pathlib import Path
 from support.power_flow import Reference
 from support.random_rungs import Case
 
-from ladder_ros.compiler.pipeline import BACKENDS, compile_program
+from ladder_ros.compiler.backends import BACKENDS
+from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.executable import Executable, SlotClass, State, Variant
 from ladder_ros.model.program import Program, RunKind
 from ladder_ros.model.types import Value

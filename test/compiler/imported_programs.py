@@ -10,7 +10,7 @@ from dataclasses import replace
 from support.plcopen import element, ladder, NAMESPACE, read, variable
 
 from compiler.agreement import assert_same, executable, Machine
-from ladder_ros.compiler.pipeline import BACKENDS
+from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.model.program import Order, Program
 from ladder_ros.model.types import NS_PER_MS, Value
 

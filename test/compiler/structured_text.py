@@ -6,7 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from ladder_ros.compiler.pipeline import BACKENDS, compile_program
+from ladder_ros.compiler.backends import BACKENDS
+from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Variant
 from ladder_ros.model.derived import Type

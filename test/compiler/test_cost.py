@@ -15,9 +15,10 @@ import pytest
 
 from compiler.agreement import assert_same, executable, Machine, QUICK
 from compiler.large import bridges, mesh, nested, SHAPES, stages_of_two
+from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.compiler.dump import dump_stage, STAGES
 from ladder_ros.compiler.il_text import parse_il, print_il
-from ladder_ros.compiler.pipeline import BACKENDS, check_program, compile_program
+from ladder_ros.compiler.pipeline import check_program, compile_program
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.drawing.rung_text import draw_program
 from ladder_ros.model.program import CallKind, Program

@@ -27,10 +27,11 @@ from compiler.imported_programs import (
 )
 from compiler.test_export import FORMS, there_and_back
 from ladder_ros.compiler import il_interpreter, il_to_python
+from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.compiler.il import LoopError
 from ladder_ros.compiler.il_text import parse_il, print_il
 from ladder_ros.compiler.link import link_code
-from ladder_ros.compiler.pipeline import analyse, BACKENDS, build_trees, check_program, lower
+from ladder_ros.compiler.pipeline import analyse, build_trees, check_program, lower
 from ladder_ros.coordinates.imported import with_drawings
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.drawing.rung_text import draw_program

@@ -13,7 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from ladder_ros.compiler.pipeline import BACKENDS, compile_program
+from ladder_ros.compiler.backends import BACKENDS
+from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.executable import Variant
 from ladder_ros.model.types import DataType, NS_PER_MS, Value
 from ladder_ros.source.st_to_model import read_st

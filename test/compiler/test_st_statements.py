@@ -10,8 +10,9 @@ import pytest
 
 from compiler.structured_text import errors, errors_of, MS, pou, program, run
 from ladder_ros.compiler import il_interpreter, il_to_python
+from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.compiler.il import LoopError
-from ladder_ros.compiler.pipeline import BACKENDS, compile_program
+from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.compiler.st_to_il import called_functions, MAX_LOOPS
 from ladder_ros.executable import Variant
 from ladder_ros.model.derived import Array, Type

@@ -17,7 +17,8 @@ import sys
 import pytest
 
 from fuzz.mutations import mutate
-from ladder_ros.compiler.pipeline import BACKENDS, compile_program
+from ladder_ros.compiler.backends import BACKENDS
+from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.types import NS_PER_MS
 from ladder_ros.runtime.scan_cycle import ScanCycle
