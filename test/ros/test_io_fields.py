@@ -213,7 +213,8 @@ def test_change_when_it_drops_a_field_then_that_goes_back_and_the_topic_stays(
     until(lambda: sent()[-1:] == [(0.5, 0.0)], 'the safe value')
     assert running.client.call('untest')['success']
     until(lambda: sent()[-1:] == [(0.5, 1.5)], 'the old program')
-    assert sent() == [(0.0, 0.0), (0.5, 1.5), (0.5, 0.0), (0.5, 1.5)]
+    found = sent()  # what was sent before somebody listened may be there or not
+    assert found[found.index((0.5, 1.5)):] == [(0.5, 1.5), (0.5, 0.0), (0.5, 1.5)]
 
 
 def test_change_when_a_variable_does_not_fit_its_field_then_it_is_refused(plc: Start) -> None:
