@@ -188,10 +188,14 @@ def plot(rows: list[Cost], path: Path) -> None:
             if found:
                 ax.loglog(*zip(*found, strict=True), marker=mark, label=backend, linewidth=1.2,
                           markersize=4)
+        if name == 'kept_kib_per_rung':
+            ax.set_yscale('linear')
+            ax.set_ylim(bottom=0)
         ax.set_title(TITLES[name])
         ax.set_xlabel('rungs')
         ax.grid(visible=True, which='major', alpha=0.3)
-    axes[0].legend(frameon=False)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc='outside lower center', ncols=4,
+                  frameon=False)
     figure.savefig(path, metadata={'Date': None})
 
 
