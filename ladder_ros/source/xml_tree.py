@@ -98,12 +98,15 @@ def read_file(path: str | os.PathLike[str]) -> bytes:
     except ValueError as error:  # a NUL or a lone surrogate in the path
         raise LadderError.of('L0109', place, reason=str(error)) from None
     try:
-        mode = os.fstat(descriptor).st_mode
-        if not stat.S_ISREG(mode):
-            what = 'a directory' if stat.S_ISDIR(mode) else 'no regular file'
+        status = os.fstat(descriptor)
+        if not stat.S_ISREG(status.st_mode):
+            what = 'a directory' if stat.S_ISDIR(status.st_mode) else 'no regular file'
             raise LadderError.of('L0109', place, reason=f'it is {what}')
         with open(descriptor, 'rb', closefd=False) as file:
-            data = file.read(MAX_BYTES + 1)
+            # Room for the most that may be is asked for only if the file has grown meanwhile.
+            data = file.read(min(status.st_size, MAX_BYTES) + 1)
+            if len(data) > status.st_size:
+                data += file.read(MAX_BYTES + 1 - len(data))
     except OSError as error:
         raise LadderError.of('L0109', place, reason=error.strerror or str(error)) from None
     finally:
