@@ -22,7 +22,7 @@ from ladder_ros.compiler import native as native_backend
 from ladder_ros.compiler.il import Call, Instruction, InstructionList, Network, Op, Routine
 from ladder_ros.compiler.llvm_machine import make_object
 from ladder_ros.compiler.native import emit_native, load_native
-from ladder_ros.compiler.native_state import arrange, NativeState, StateForm
+from ladder_ros.compiler.native_state import arrange, NativeState, PLAIN, StateForm
 from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.compiler.symbols import Literal, Ref
 from ladder_ros.executable import ARITHMETIC_ERRORS, Executable, Form, Slot, SlotClass, Variant
@@ -192,8 +192,8 @@ def chunks_executed(state: object) -> int:
     """Return how many chunks the last scan that followed the changes has executed."""
     import ctypes
     assert isinstance(state, NativeState)
-    (address, _), = state._areas.values()
-    return int(ctypes.c_int64.from_address(address + 24).value)
+    (_, place), = (found for number, found in state.arguments.items() if number != PLAIN)
+    return int(ctypes.c_int64.from_address(place.value + 48).value)
 
 
 # -- other machines ------------------------------------------------------------------------------
