@@ -13,9 +13,6 @@ What came from outside is mostly inputs, which lie at the beginning of the state
 compared, unless somebody else has written the state meanwhile.  Who was last to write more than
 inputs signs it (see `native_state`): the kernel with its area, all others with nothing.
 
-While a chunk is executed the code of the next one is fetched: what is rarely executed is not in
-the near caches.
-
 Where nothing but a timer calls for a chunk, its *tick* is tried instead (see `llvm_ticks`), which
 only lets time go on, and says if more than that would happen.
 
@@ -40,9 +37,6 @@ from ladder_ros.compiler.native_state import NativeLayout, SIGNATURE, SIZE
 _HEADER = 64
 _WINDOW = 32
 """Bytes that are looked at in one step for what a chunk has written."""
-
-_LINES = 6
-"""Lines of the cache, with the code of the chunk after this one, that are fetched meanwhile."""
 
 _numbers = count(1)
 
@@ -382,29 +376,6 @@ chunk:
   %bit_off = xor i64 %bit, -1
   %above = shl i64 -2, %b
   %c = add i64 %w_base, %b
-  %later = and i64 %pending, %above
-  %is_last = icmp eq i64 %later, 0
-  %ahead = select i1 %is_last, i64 %pending, i64 %later
-  %b2 = call i64 @llvm.cttz.i64(i64 %ahead, i1 true)
-  %bit2 = shl i64 1, %b2
-  %c2 = add i64 %w_base, %b2
-  %mark2 = and i64 %marked, %bit2
-  %is_marked2 = icmp ne i64 %mark2, 0
-  %by_mark = select i1 %is_marked2, ptr %functions, ptr %ticks
-  %f2_p = getelementptr ptr, ptr %by_mark, i64 %c2
-  %f2 = load ptr, ptr %f2_p
-""" + ''.join(f"""\
-  %line{n} = getelementptr i8, ptr %f2, i64 {64 * n}
-  call void @llvm.prefetch.p0(ptr %line{n}, i32 0, i32 2, i32 1)
-""" for n in range(_LINES)) + """\
-  %j2_p = getelementptr i32, ptr %starts, i64 %c2
-  %j2 = load i32, ptr %j2_p
-  %at2_p = getelementptr i32, ptr %windows, i32 %j2
-  %at2 = load i32, ptr %at2_p
-  %new2_p = getelementptr i8, ptr %s, i32 %at2
-  call void @llvm.prefetch.p0(ptr %new2_p, i32 0, i32 3, i32 1)
-  %old2_p = getelementptr i8, ptr %shadow, i32 %at2
-  call void @llvm.prefetch.p0(ptr %old2_p, i32 1, i32 3, i32 1)
   %own_mark = and i64 %marked, %bit
   %is_marked = icmp ne i64 %own_mark, 0
   br i1 %is_marked, label %execute, label %tick
@@ -501,7 +472,6 @@ go_on:
 
 declare i32 @llvm.cttz.i32(i32, i1)
 declare i64 @llvm.cttz.i64(i64, i1)
-declare void @llvm.prefetch.p0(ptr, i32, i32, i32)
 declare i64 @llvm.umax.i64(i64, i64)
 declare i64 @llvm.umin.i64(i64, i64)
 declare i64 @llvm.vector.reduce.or.v8i64(<8 x i64>)

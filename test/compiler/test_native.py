@@ -19,15 +19,25 @@ from compiler.agreement import assert_agreement, assert_same, executable, Machin
 from ladder_ros.blocks import FUNCTIONS
 from ladder_ros.compiler import il_to_groups
 from ladder_ros.compiler import native as native_backend
+from ladder_ros.compiler.event_kernel import BoundTables
 from ladder_ros.compiler.il import Call, Instruction, InstructionList, Network, Op, Routine
 from ladder_ros.compiler.llvm_machine import make_object
 from ladder_ros.compiler.native import emit_native, load_native
 from ladder_ros.compiler.native_state import arrange, NativeState, PLAIN, StateForm
 from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.compiler.symbols import Literal, Ref
-from ladder_ros.executable import ARITHMETIC_ERRORS, Executable, Form, Slot, SlotClass, Variant
+from ladder_ros.executable import (
+    ARITHMETIC_ERRORS,
+    Executable,
+    Form,
+    Scan,
+    Slot,
+    SlotClass,
+    Variant,
+)
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.catalogue_kinds import BlockKind, Generic
+from ladder_ros.model.program import Program
 from ladder_ros.model.types import (
     DataType,
     default_value,
@@ -188,8 +198,73 @@ def test_scans_when_little_or_much_changes_then_every_value_is_that_of_python(
     assert min(executed) * 4 < max(executed), executed
 
 
+@given(st.data())
+@settings(max_examples=12)
+def test_scans_when_the_state_is_written_by_any_door_then_every_value_is_that_of_python(
+    data: st.DataObject,
+) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(native_backend, 'LEAST_INSTRUCTIONS', 100)
+        program = program_of(flat_plant(60, data.draw(st.integers(0, 9))))
+        machines = [Machine(program, backend) for backend in ('python', 'native')]
+        python, native = machines
+        everything = load_everything(program)
+    bools = [slot.index for slot in native.executable.slots if slot.type is DataType.BOOL]
+    forced = Variant(forced=frozenset(data.draw(st.lists(
+        st.sampled_from(bools), min_size=1, max_size=3))))
+    variants = {variant: [machine.executable.build(variant)['main'] for machine in machines]
+                for variant in (Variant(), forced)}
+    now, variant = 0, Variant()
+    for door in data.draw(st.lists(st.sampled_from((
+            'one', 'one', 'slice', 'all', 'nothing', 'other code', 'variant')), max_size=40)):
+        now += data.draw(st.sampled_from((0, 10, 10, 500))) * MS
+        index = data.draw(st.sampled_from(bools))
+        value = data.draw(st.booleans())
+        for machine in machines:
+            state = machine.state
+            if door == 'one':
+                state[index] = value
+            elif door == 'slice':
+                state[index:index + 1] = [value]
+            elif door == 'all':
+                whole = list(state)
+                whole[index] = value
+                state[:] = whole
+        if door == 'other code':  # which nobody tells what it has written
+            everything(native.state, now, None)
+            variants[Variant()][0](python.state, now, None)
+        if door == 'variant':
+            variant = forced if variant == Variant() else Variant()
+        for machine, scan in zip(machines, variants[variant], strict=True):
+            scan(machine.state, now, None)
+        assert list(python.state) == list(native.state), (door, now)
+
+
+def load_everything(program: Program) -> Scan:
+    """Return a scan function of a program that always executes everything."""
+    emit = compile_program(program, backend='native').native
+    assert emit is not None
+    native, rest = emit()
+    return load_native(native, [make_object(text) for text in native.modules], rest,
+                       by_events=False)['main']
+
+
+def test_state_when_an_owner_is_gone_then_another_does_not_find_what_it_noted() -> None:
+    state = StateForm(arrange([]))([])
+    owners = [BoundTables([0], [], 64) for _ in range(3)]
+    for owner in owners:
+        time, _ = state.admit(owner)
+        time[0] = 5
+    numbers = [owner.number for owner in owners]
+    assert len({PLAIN, *numbers}) == 4
+    del owner, owners
+    last = BoundTables([0], [], 64)
+    assert state.admit(last)[0][0] == 0
+    assert list(state.arguments) == [PLAIN, last.number]
+
+
 def chunks_executed(state: object) -> int:
-    """Return how many chunks the last scan that followed the changes has executed."""
+    """Return how many chunks the last scan that followed the changes has executed, times four."""
     import ctypes
     assert isinstance(state, NativeState)
     (_, place), = (found for number, found in state.arguments.items() if number != PLAIN)
