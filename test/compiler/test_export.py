@@ -184,6 +184,18 @@ def test_st_when_names_are_keywords_then_others_are_taken() -> None:
     assert 'end_2 := on_2;' in text
 
 
+def test_st_when_two_bools_are_compared_then_by_an_operator() -> None:
+    program = parse_program(
+        b'<ladder version="1" name="p"><variables>'
+        b'<variable name="a" class="input" type="BOOL"/>'
+        b'<variable name="b" class="input" type="BOOL"/>'
+        b'<variable name="q" class="output" type="BOOL"/></variables>'
+        b'<body name="main"><rung id="1" width="3"><block id="e" x="0" y="0" width="2" height="2" '
+        b'type="EQ"><input pin="IN1" operand="a"/><input pin="IN2" operand="b"/></block>'
+        b'<coil id="k" x="2" y="0" operand="q"/></rung></body></ladder>', 'p.xml')
+    assert '(a = b)' in write_st(program)
+
+
 def test_plcopen_when_written_then_no_element_has_a_number_that_only_some_readers_heed() -> None:
     assert 'executionOrderId' not in write_plcopen(
         read_any(ROOT / 'programs' / 'elevator_3_floor_flat.xml'))
