@@ -150,6 +150,21 @@ SYMBOL = 'event_scan'
 NO_TICK = 'event_no_tick'
 """The tick of a chunk that has none: it is to be executed."""
 
+_NUMBERS = ('count', 'size', 'words', 'shadow_at', 'outside')
+_ADDRESSES = ('full', 'functions', 'ticks', 'starts', 'windows', 'own', 'outer', 'rows',
+              'timer_starts', 'timers', 'shared')
+"""What stands in the tables by its name in the kernel, as :meth:`EventTables.bind` orders it."""
+
+
+def _loads(*names: str) -> str:
+    """Return what loads things from the tables."""
+    fields = (*_NUMBERS, *_ADDRESSES)
+    return ''.join(
+        f'  %{name}_t = getelementptr i64, ptr %t, i64 {fields.index(name)}\n'
+        f'  %{name} = load {"i64" if name in _NUMBERS else "ptr"}, ptr %{name}_t\n'
+        for name in names)
+
+
 _FOLLOW = """
 define internal void @follow(ptr %s, ptr %shadow, ptr %dirty, ptr %index, ptr %rows, i64 %at) {
 entry:
@@ -239,20 +254,12 @@ done:
 """
 
 
-def _table(*numbered: tuple[str, int, str]) -> str:
-    """Return what loads values of the tables."""
-    return ''.join(
-        f'  %{name}_t = getelementptr i64, ptr %t, i64 {number}\n'
-        f'  %{name} = load {type_}, ptr %{name}_t\n' for name, number, type_ in numbered)
-
-
 _RESYNC = """
 define internal i8 @resync(ptr %a, i64 %now, ptr %s, ptr %t) {
 entry:
-""" + _table(
-    ('count', 0, 'i64'), ('size', 1, 'i64'), ('words', 2, 'i64'), ('shadow_at', 3, 'i64'),
-    ('full', 5, 'ptr'), ('own', 10, 'ptr'), ('rows', 12, 'ptr'), ('starts', 13, 'ptr'),
-    ('timers', 14, 'ptr'), ('shared', 15, 'ptr'),
+""" + _loads(
+    'count', 'size', 'words', 'shadow_at', 'full', 'own', 'rows', 'timer_starts', 'timers',
+    'shared',
 ) + """\
   %shadow = getelementptr i8, ptr %a, i64 %shadow_at
   %dirty = getelementptr i8, ptr %a, i64 64
@@ -274,9 +281,9 @@ marks:
 chunk:
   %c = phi i64 [ 0, %marks ], [ %c_next, %chunk_done ]
   %c_next = add i64 %c, 1
-  %k_p = getelementptr i32, ptr %starts, i64 %c
+  %k_p = getelementptr i32, ptr %timer_starts, i64 %c
   %k_first = load i32, ptr %k_p
-  %k_end_p = getelementptr i32, ptr %starts, i64 %c_next
+  %k_end_p = getelementptr i32, ptr %timer_starts, i64 %c_next
   %k_end = load i32, ptr %k_end_p
   br label %timer
 timer:
@@ -329,23 +336,20 @@ entry:
 unknown:
   %full_left = load i64, ptr %full_left_p
   %is_full = icmp ne i64 %full_left, 0
-  br i1 %is_full, label %full, label %last
-full:
+  br i1 %is_full, label %everything, label %last
+everything:
   %full_less = sub i64 %full_left, 1
   store i64 %full_less, ptr %full_left_p
-  %full_p = getelementptr i64, ptr %t, i64 5
-  %full_f = load ptr, ptr %full_p
-  %full_r = call i8 %full_f(ptr %s, i64 %now)
+""" + _loads('full') + """\
+  %full_r = call i8 %full(ptr %s, i64 %now)
   ret i8 %full_r
 last:
   %last_r = call i8 @resync(ptr %a, i64 %now, ptr %s, ptr %t)
   ret i8 %last_r
 event:
-""" + _table(
-    ('count', 0, 'i64'), ('size', 1, 'i64'), ('words', 2, 'i64'), ('shadow_at', 3, 'i64'),
-    ('outside', 4, 'i64'), ('functions', 6, 'ptr'), ('ticks', 7, 'ptr'), ('starts', 8, 'ptr'),
-    ('windows', 9, 'ptr'), ('own', 10, 'ptr'), ('outer', 11, 'ptr'), ('rows', 12, 'ptr'),
-    ('timer_starts', 13, 'ptr'), ('timers', 14, 'ptr'),
+""" + _loads(
+    'count', 'size', 'words', 'shadow_at', 'outside', 'functions', 'ticks', 'starts', 'windows',
+    'own', 'outer', 'rows', 'timer_starts', 'timers',
 ) + """\
   %shadow = getelementptr i8, ptr %a, i64 %shadow_at
   %dirty = getelementptr i8, ptr %a, i64 64
@@ -482,12 +486,12 @@ declare void @llvm.memset.p0.i64(ptr, i8, i64, i1)
 KERNEL = _FOLLOW + _COMPARE + _RESYNC + _SCAN
 """The kernel as a module of LLVM's intermediate language.
 
-Tables, 8 bytes each: 0 chunks, 1 bytes of the state, 2 words of a bitmap, 3 where the shadow is in
-the area, 4 bytes at the state's beginning that only come from outside, 5 the scan of everything,
-6 the chunks' functions, 7 their ticks, 8 where each chunk's windows begin, 9 the windows, 10 each
-byte's row of chunks that read it, 11 its row of those that must be told if it came from outside,
-12 the rows, 13 where each chunk's timers begin, 14 the timers, 15 the chunks that write what
-others write too.
+Tables, 8 bytes each, numbers first: of chunks, bytes of the state, words of a bitmap; where the
+shadow is in the area; bytes at the state's beginning that only come from outside.  Then addresses:
+the scan of everything, the chunks' functions, their ticks; where each chunk's windows begin, the
+windows; each byte's row of chunks that read it, its row of those that must be told if it came from
+outside, the rows; where each chunk's timers begin, the timers; the chunks that write what others
+write too.
 
 Area: 0 the state, 1 the tables, 2 the time, 3 scans of everything that are left, 4 the length of
 their last series, 5 whether shadow and bitmaps are valid, 6 four for each chunk that was executed
