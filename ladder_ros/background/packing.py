@@ -16,6 +16,7 @@ import pickle
 import re
 from types import CodeType, FunctionType
 from typing import Any, TypeVar
+import zlib
 
 from ladder_ros.background.code import Code
 from ladder_ros.blocks import FUNCTIONS
@@ -175,7 +176,8 @@ def unpack_layout(receive: Receive, breathe: Breathe) -> dict[str, Any]:
 def _pack_parts(items: Sequence[object]) -> Iterator[bytes]:
     yield pickle.dumps(len(items))
     for start in range(0, len(items), PART):
-        yield pickle.dumps(tuple(items[start:start + PART]), protocol=pickle.HIGHEST_PROTOCOL)
+        yield zlib.compress(pickle.dumps(
+            tuple(items[start:start + PART]), protocol=pickle.HIGHEST_PROTOCOL))
 
 
 def _unpack_parts(receive: Receive, breathe: Breathe) -> Parts[Any]:
@@ -185,7 +187,7 @@ def _unpack_parts(receive: Receive, breathe: Breathe) -> Parts[Any]:
         if number % MANY == 0:
             breathe()
         packed.append(receive())
-    return Parts(packed, PART, size, pickle.loads)
+    return Parts(packed, PART, size, lambda data: pickle.loads(zlib.decompress(data)))
 
 
 # -- changes --------------------------------------------------------------------------------------
