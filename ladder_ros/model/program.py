@@ -244,3 +244,8 @@ class Program:
 
 Pou = Body | Composite
 """A program organisation unit: a program body or a composite's definition."""
+
+
+def pou_key(pou: Pou) -> str:
+    """Return the key of a POU among all of a program: a body and a composite may share a name."""
+    return f'{"body" if isinstance(pou, Body) else "composite"} {pou.name.casefold()}'
