@@ -237,6 +237,11 @@ class Program:
     location: Location = Location()
 
     @property
+    def pous(self) -> tuple[Pou, ...]:
+        """The composites, then the bodies."""
+        return (*self.composites, *self.bodies)
+
+    @property
     def is_library(self) -> bool:
         """Whether it holds composites and nothing that runs."""
         return bool(self.composites) and not (self.bodies or self.variables or self.tasks)
