@@ -247,6 +247,28 @@ def test_forces_when_a_change_drops_one_then_the_parameter_says_what_is_left(plc
     until(lambda: running.client.get_parameter('forces') == ['b=1'], 'the parameter')
 
 
+def test_change_when_a_topic_would_get_another_type_then_it_is_refused_before_it_is_made(
+        plc: Start) -> None:
+    rung = series(1, ['a'], 'b')
+    running = plc(program({'a': 'input BOOL', 'b': 'output BOOL', 'n': 'input INT'}, rung))
+    wider = program({'a': 'input BOOL', 'b': 'output BOOL', 'n': 'input DINT'}, rung)
+    candidate(running, wider)
+    for request in ('preflight', 'test'):
+        report = running.client.call(request)
+        (refusal,) = report['refusals']
+        assert (report['success'], refusal['code']) == (False, 'io')
+        assert [item['code'] for item in refusal['diagnostics']] == ['L0602']
+    result = running.client.set_parameter('program', 'candidate.xml')
+    assert not result.successful and 'n carries std_msgs/msg/Int16' in result.reason
+    # As the sentence says, with the topics gone it can be.
+    assert running.client.change_state('deactivate') and running.client.change_state('cleanup')
+    result = running.client.set_parameter('program', 'candidate.xml')
+    assert result.successful, result.reason
+    assert running.client.call('start')['success']
+    running.client.wait_state(
+        path=str(running.file.with_name('candidate.xml')), state='running')
+
+
 def test_preflight_when_a_proof_is_required_then_only_what_behaves_alike_is_let_in(
         plc: Start) -> None:
     pytest.importorskip('z3')
