@@ -144,6 +144,18 @@ def test_test_when_nobody_accepts_then_it_ends_by_itself_and_says_why(plc: Start
         f'{running.client.plc}/lamp'), 'the topic going')
 
 
+def test_test_when_it_ends_by_itself_after_one_was_taken_back_then_both_are_told(
+        plc: Start) -> None:
+    running = plc(COPY)
+    candidate(running, COPY.replace('name="test"', 'name="other"'))
+    assert running.client.call('test')['success'] and running.client.call('untest')['success']
+    running.process.wait_for_output('the test has ended (asked for)')
+    assert running.client.set_parameter('change.timeout', 0.1).successful
+    assert running.client.call('test')['success']
+    running.process.wait_for_output('the test has ended (the test was not accepted')
+    assert running.client.wait_state(program='test')['last_error'] == ''
+
+
 def test_test_when_outputs_agree_then_nothing_is_published_that_is_not_so(plc: Start) -> None:
     from std_msgs.msg import Bool
 
