@@ -28,7 +28,7 @@ _WORDS = KEYWORDS.union(_MORE_WORDS.split())
 
 SURE = frozenset({
     'ADD', 'SUB', 'MUL', 'MOVE', 'AND', 'OR', 'XOR', 'NOT', 'MAX', 'MIN', 'LIMIT', 'SEL', 'ABS',
-    'LEN', 'CONCAT', 'FIND', 'ADD_TIME', 'SUB_TIME',
+    'LEN', 'CONCAT', 'FIND', 'ADD_TIME', 'SUB_TIME', 'GT', 'GE', 'EQ', 'LE', 'LT', 'NE',
 })
 """Functions that have no arithmetic error: their ENO is EN."""
 
