@@ -28,11 +28,11 @@ PROGRAM = """
         <input pin="IN1" operand="kept"/><input pin="IN2" operand="1"/>
         <output pin="OUT" operand="kept"/>
       </block>
-      <coil id="k1" x="2" y="0" operand="on"/>
+      <coil id="k1" x="2" y="0" operand="lit"/>
     </rung>
   </body>
 </ladder>
-""".replace('<variables>', '<variables><variable name="on" type="BOOL"/>').strip()
+""".replace('<variables>', '<variables><variable name="lit" type="BOOL"/>').strip()
 
 
 @pytest.fixture

@@ -51,6 +51,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     arguments = list(sys.argv[1:] if argv is None else argv)
     options = arguments[:arguments.index('--')] if '--' in arguments else arguments
     as_json = '--json' in options
+    terminal.complete_streams()
     try:
         return _run(arguments, as_json)
     except BrokenPipeError:

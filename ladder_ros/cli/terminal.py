@@ -11,6 +11,14 @@ import sys
 from ladder_ros.diagnostics import LadderError, Location
 
 
+def complete_streams() -> None:
+    """Send output nowhere that the caller has closed: Python has no stream for it then."""
+    if sys.stdout is None:
+        sys.stdout = os.fdopen(os.open(os.devnull, os.O_WRONLY), 'w', encoding='utf-8')
+    if sys.stderr is None:
+        sys.stderr = os.fdopen(os.open(os.devnull, os.O_WRONLY), 'w', encoding='utf-8')
+
+
 def shows_box_characters() -> bool:
     """Say whether standard output has the characters that drawings are made of."""
     try:

@@ -21,8 +21,8 @@ from ladder_ros.compiler.il import (
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.catalogue import CATALOGUE
+from ladder_ros.model.names import FOREIGN_NAME
 from ladder_ros.model.types import DataType, parse_literal
-from ladder_ros.source.grammar import NAME
 
 
 def print_il(program: InstructionList) -> str:
@@ -71,12 +71,12 @@ def _print_call(op: Op, call: Call) -> str:
 _STRING = r"'(?:[^'$]|\$.)*'"
 _LINE = re.compile(
     rf'\s*(?P<op>[A-Z]+)\s*(?P<rest>(?:{_STRING}|[^\'])*?)\s*'
-    r'(?:\(\* (?P<component>[\w/]+) \*\))?$')
+    r'(?:\(\* (?P<component>[-\w/]+) \*\))?$')
 _CALL = re.compile(
-    rf'(?P<name>\w+) (?P<what>[\w.%]+) \((?P<inputs>(?:{_STRING}|[^\'()])*)\) '
+    rf'(?P<name>\w+) (?P<what>[-\w.%]+) \((?P<inputs>(?:{_STRING}|[^\'()])*)\) '
     r'\((?P<outputs>[^()]*)\)$')
 _PAIR = re.compile(rf'(\w+) (?::=|=>) ({_STRING}|[^,\']+)(?:, |$)')
-_PATH = r'[A-Za-z_%][\w.%]*(?:\[[-\d,]+\][\w.%]*)*'
+_PATH = r'(?:%|[^\W\d])[-\w.%]*(?:\[[-\d,]+\][-\w.%]*)*'
 _REF = re.compile(_PATH + '$')
 _MOVE = re.compile(rf'(?P<type>[A-Z]+) (?P<source>{_STRING}|.+?) => (?P<target>.+)$')
 _ELEMENT = re.compile(
@@ -97,7 +97,7 @@ def parse_il(text: str, file: str = '') -> InstructionList:
         word, _, rest = line.strip().partition(' ')
         if word in ('BODY', 'ROUTINE'):
             routines.append((rest.strip(), word == 'BODY', []))
-        elif word == 'LABEL' and routines and NAME.fullmatch(rest.strip()):
+        elif word == 'LABEL' and routines and FOREIGN_NAME.fullmatch(rest.strip()):
             labels.append(rest.strip())
         elif not routines or (word != 'NETWORK' and (labels or not routines[-1][2])):
             raise _bad(location, line, 'a program starts with BODY name, then NETWORK name')
@@ -136,7 +136,7 @@ def _parse_instruction(line: str, location: Location) -> Instruction:
             raise _bad(location, line, f'{op.value} alone')
         return Instruction(op=op, component=component)
     if op is Op.JMP:
-        if not NAME.fullmatch(rest):
+        if not FOREIGN_NAME.fullmatch(rest):
             raise _bad(location, line, 'JMP label')
         return Instruction(op=op, label=rest, component=component)
     if op is Op.MOV:

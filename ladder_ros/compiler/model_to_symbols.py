@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-import re
 
 from ladder_ros.compiler.resolve_rung import RungResolver, suggestion
 from ladder_ros.compiler.symbols import (
@@ -29,6 +28,7 @@ from ladder_ros.model.component import (
     Block,
     Instance,
 )
+from ladder_ros.model.names import why_illegal
 from ladder_ros.model.program import (
     Composite,
     Direction,
@@ -39,9 +39,6 @@ from ladder_ros.model.program import (
     Variable,
     VariableClass,
 )
-
-NAME = re.compile(r'[A-Za-z_][A-Za-z0-9_]*$')
-IDENTIFIER = re.compile(r'[A-Za-z0-9_]+$')
 
 _DEFINITIONS = 256
 """So many definitions from libraries are resolved once, whoever uses them."""
@@ -124,12 +121,13 @@ class _Resolver:
 
     def _unique(
         self, names: Iterable[tuple[str, Location]], taken: dict[str, Location] | None = None,
-        pattern: re.Pattern[str] = NAME,
+        is_id: bool = False,
     ) -> None:
         seen: dict[str, Location] = {} if taken is None else taken
         for name, location in names:
-            if not self.imported and not pattern.match(name):
-                self.report('L0202', location, name=name)
+            reason = '' if is_id or self.imported else why_illegal(name)
+            if reason:
+                self.report('L0202', location, name=name, help=reason)
             key = name.casefold()
             if key in seen:
                 self.found.append(problem(
@@ -266,7 +264,7 @@ class _Resolver:
                 related=((place, 'also called here'),)))
 
     def _resolve_pou(self, pou: Pou, scope: Scope, same: Mapping[int, int]) -> None:
-        self._unique(((r.id, r.location) for r in pou.rungs), pattern=IDENTIFIER)
+        self._unique(((r.id, r.location) for r in pou.rungs), is_id=True)
         contacts: dict[str, Resolved] = {}
         refs: dict[str, Ref] = {}
         key = pou_key(pou)
@@ -277,7 +275,7 @@ class _Resolver:
                 self.resolved[place] = self.before[1].resolved[place]
                 continue
             before = len(self.found)
-            self._unique(((c.id, c.location) for c in rung.components), pattern=IDENTIFIER)
+            self._unique(((c.id, c.location) for c in rung.components), is_id=True)
             if rung.wires is not None:
                 continue
             by_id = {c.id.casefold(): c for c in rung.components}

@@ -15,23 +15,15 @@ from ladder_ros.compiler.symbols import is_address, pou_key, Ref, Scope
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import Block, Instance
 from ladder_ros.model.derived import leaves
+from ladder_ros.model.names import KEYWORDS
 from ladder_ros.model.program import CallKind, Composite, Pou, Program
 from ladder_ros.model.types import DataType, default_value, format_literal, format_time, Value
 
-_WORDS = """
-    ABS ACTION AND ANDN ANY ARRAY AT BEGIN BOOL BY BYTE CAL CALC CALCN CASE CD CONFIGURATION
-    CONSTANT CU DATE DATE_AND_TIME DINT DO DT DWORD ELSE ELSIF EN END END_ACTION END_CASE
-    END_CONFIGURATION END_FOR END_FUNCTION END_FUNCTION_BLOCK END_IF END_PROGRAM END_REPEAT
-    END_RESOURCE END_STEP END_STRUCT END_TRANSITION END_TYPE END_VAR END_WHILE ENO EQ EXIT
-    EXPONENT_FUNCTION F_EDGE FALSE FOR FROM FUNCTION FUNCTION_BLOCK GE GT IF IN INITIAL_STEP
-    INT INTERVAL JMP JMPC JMPCN L LD LDN LE LINT LREAL LT LWORD MOD NE NON_RETAIN NOT OF ON OR
-    ORN P PRIORITY PROGRAM PT PV R R_EDGE R1 READ_ONLY READ_WRITE REAL REPEAT RESOURCE RET
-    RETAIN RETURN RETC RETCN S S1 SINGLE SINT ST STEP STN STRING STRUCT TASK THEN TIME
-    TIME_OF_DAY TO TOD TRANSITION TRUE TYPE UDINT UINT ULINT UNTIL USINT VAR VAR_ACCESS
-    VAR_CONFIG VAR_EXTERNAL VAR_GLOBAL VAR_IN_OUT VAR_INPUT VAR_OUTPUT VAR_TEMP WHILE WITH
-    WORD WSTRING XOR XORN CLK
+_MORE_WORDS = """
+    ABS ANDN BEGIN CAL CALC CALCN CD CLK CU EN END ENO EQ EXPONENT_FUNCTION GE GT IN INTERVAL JMP
+    JMPC JMPCN L LD LDN LE LT NE ORN P PRIORITY PT PV R R1 RET RETC RETCN S S1 SINGLE ST STN XORN
 """
-KEYWORDS = frozenset(re.findall(r'\w+', _WORDS))
+_WORDS = KEYWORDS.union(_MORE_WORDS.split())
 """Words that no identifier may be; pins of the standard blocks among them, to be safe."""
 
 SURE = frozenset({
@@ -96,7 +88,7 @@ class Identifiers:
         self._given.add(name.casefold())
 
     def _is_bad(self, name: str) -> bool:
-        return (name.casefold() in self._taken or name.upper() in KEYWORDS
+        return (name.casefold() in self._taken or name.upper() in _WORDS
                 or name.upper() in CATALOGUE)
 
 

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field, replace
 
 from ladder_ros.model.catalogue import BlockKind
 from ladder_ros.model.derived import Type
-from ladder_ros.model.program import Body, Composite, Pou
+from ladder_ros.model.program import Composite
+from ladder_ros.model.program import pou_key as pou_key
 from ladder_ros.model.types import DataType, format_literal, Value
 
 
@@ -136,11 +137,6 @@ class Symbols:
     def of_rung(self, pou: str, rung: str) -> Mapping[str, Resolved]:
         """Return what the components of a rung refer to, by casefolded id."""
         return self.resolved[pou, rung.casefold()]
-
-
-def pou_key(pou: Pou) -> str:
-    """Return the key of a POU in the symbol tables."""
-    return f'{"body" if isinstance(pou, Body) else "composite"} {pou.name.casefold()}'
 
 
 def edge_memory(rung: str, component: str) -> Ref:

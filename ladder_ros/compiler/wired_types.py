@@ -6,17 +6,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-import re
 
 from ladder_ros.compiler.resolve_rung import literal_type
 from ladder_ros.diagnostics import Diagnostic, problem
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import Block, Coil, Component, Contact, InVariable, OutVariable
 from ladder_ros.model.derived import elementary, Type
+from ladder_ros.model.names import FOREIGN_NAME
 from ladder_ros.model.program import Body, Composite, Port, Program, Rung, Variable
 from ladder_ros.model.types import DataType
-
-_PLAIN = re.compile(r'[A-Za-z_]\w*$', re.ASCII)
 
 
 def declare_missing(program: Program) -> Program:
@@ -56,7 +54,7 @@ def _missing(
             if not isinstance(component, (Contact, Coil, InVariable, OutVariable)):
                 continue
             name = component.operand
-            if not _PLAIN.match(name) or name.casefold() in known:
+            if not FOREIGN_NAME.fullmatch(name) or name.casefold() in known:
                 continue
             known.add(name.casefold())
             type_ = _type_of(component, rung, by_id, names)

@@ -25,6 +25,7 @@ from ladder_ros.model.program import (
     CallKind,
     Composite,
     Pou,
+    pou_key,
     Program,
     RunKind,
     Task,
@@ -57,16 +58,17 @@ class Report:
 class _Page:
     """A report, and what is on its page.
 
-    ``pictures`` of the rungs by whether the POU is a body, and its casefolded name.  ``rungs`` by
-    casefolded POU and id; ``places`` are the rung and the XML id of each component, by casefolded
-    POU, rung and id, and by casefolded POU and id.  Of a body and a composite of one name, links
-    lead to the body.
+    ``pictures`` of the rungs by key of the POU.  ``named`` by casefolded POU, ``rungs`` by
+    casefolded POU and id; ``places`` are the rung and the XML id of each component, by key of the
+    POU, rung and id, and by key of the POU and id.  Of a body and a composite of one name,
+    diagnostics lead to the body.
     """
 
     report: Report
     pous: tuple[Pou, ...]
+    keyed: Mapping[str, Pou]
     named: Mapping[str, Pou]
-    pictures: Mapping[tuple[bool, str], tuple[Picture, ...]]
+    pictures: Mapping[str, tuple[Picture, ...]]
     rungs: frozenset[tuple[str, str]]
     places: Mapping[tuple[str, ...], tuple[str, str]]
 
@@ -74,11 +76,11 @@ class _Page:
 def _page(report: Report) -> _Page:
     pous: tuple[Pou, ...] = (*report.program.bodies, *report.program.composites)
     places: dict[tuple[str, ...], tuple[str, str]] = {}
-    pictures: dict[tuple[bool, str], tuple[Picture, ...]] = {}
+    pictures: dict[str, tuple[Picture, ...]] = {}
     for pou in pous:
         drawn = tuple(pou_pictures(report.program, pou, report.style))
-        key = pou.name.casefold()
-        pictures[isinstance(pou, Body), key] = tuple(picture for _, picture in drawn)
+        key = pou_key(pou)
+        pictures[key] = tuple(picture for _, picture in drawn)
         for rung, picture in drawn:
             for component in picture.drawn:
                 place = rung, component_anchor(
@@ -86,7 +88,8 @@ def _page(report: Report) -> _Page:
                 places.setdefault((key, rung, component), place)
                 places.setdefault((key, component), place)
     return _Page(
-        report=report, pous=pous, named={pou.name.casefold(): pou for pou in reversed(pous)},
+        report=report, pous=pous, keyed={pou_key(pou): pou for pou in pous},
+        named={pou.name.casefold(): pou for pou in reversed(pous)},
         pictures=pictures, places=places,
         rungs=frozenset((pou.name.casefold(), rung.id) for pou in pous for rung in pou.rungs))
 
@@ -182,12 +185,7 @@ def _body(page: _Page, body: Body) -> Iterator[str]:
     task = f', task {markup(body.task)}' if body.task else ''
     yield f'<h2 id="{_pou_anchor(body)}">Body {markup(body.name)} <small>{when}{task}</small></h2>'
     yield from _paragraphs(body.comment)
-    # References know POUs by name alone: what a composite of this name declares is not here.
-    alike = [composite for composite in page.report.program.composites
-             if composite.name.casefold() == body.name.casefold()]
-    yield from _instances(page, body, {
-        *(parameter.name.casefold() for one in alike for parameter in one.parameters),
-        *(variable.name.casefold() for one in alike for variable in one.variables)})
+    yield from _instances(page, body, set())
     yield from _drawings(page, body)
 
 
@@ -202,7 +200,7 @@ def _composite(page: _Page, composite: Composite) -> Iterator[str]:
     measure = page.report.measures.get(composite.name.casefold())
     if measure:
         yield f'<p class="quiet">{markup(measure)}</p>'
-    uses = [_link(page, Use(access=Access.STATE, name=component.instance, pou=pou.name,
+    uses = [_link(page, Use(access=Access.STATE, name=component.instance, pou=pou_key(pou),
                             rung=rung.id, component=component.id)) for pou in page.pous
             for rung in pou.rungs for component in rung.components
             if isinstance(component, Instance)
@@ -215,8 +213,8 @@ def _composite(page: _Page, composite: Composite) -> Iterator[str]:
     if rows:
         yield from table(
             ('interface', 'name', 'type', 'initial', 'comment', 'written at', 'read at'),
-            ((what, _name(text, composite.name, text), markup(type_name(type_)),
-              _initial(type_, initial), markup(comment), *_uses(page, composite.name, text))
+            ((what, _name(text, pou_key(composite), text), markup(type_name(type_)),
+              _initial(type_, initial), markup(comment), *_uses(page, pou_key(composite), text))
              for what, text, type_, initial, comment in rows))
     yield from _instances(page, composite, {text.casefold() for _, text, _, _, _ in rows})
     yield from _drawings(page, composite)
@@ -224,8 +222,8 @@ def _composite(page: _Page, composite: Composite) -> Iterator[str]:
 
 def _instances(page: _Page, pou: Pou, declared: set[str]) -> Iterator[str]:
     """Yield a table of the blocks and composites that keep a state in a POU."""
-    scope = pou.name.casefold()
-    rows = [(_name(uses[0].name, pou.name, key),
+    scope = pou_key(pou)
+    rows = [(_name(uses[0].name, scope, key),
              _links(page, [use for use in uses if use.access is Access.STATE]),
              _links(page, [use for use in uses if use.access is not Access.STATE]))
             for (where, key), uses in page.report.references.items()
@@ -237,7 +235,7 @@ def _instances(page: _Page, pou: Pou, declared: set[str]) -> Iterator[str]:
 def _drawings(page: _Page, pou: Pou) -> Iterator[str]:
     if pou.unsupported:
         yield f'<p class="error">cannot run: {markup(pou.unsupported)}</p>'
-    for picture in page.pictures[isinstance(pou, Body), pou.name.casefold()]:
+    for picture in page.pictures[pou_key(pou)]:
         yield from figure(picture)
     if pou.statements:
         yield '<pre>' + '\n'.join(map(markup, text_lines(pou.statements, UNICODE))) + '</pre>'
@@ -276,13 +274,13 @@ def _initial(type_: Type, initial: Initial) -> str:
 
 def _name(text: str, scope: str, name: str) -> str:
     """Return a name that links can lead to."""
-    place = f'variable.{anchor(scope.casefold(), name.casefold())}'
+    place = f'variable.{anchor(scope, name.casefold())}'
     return f'<b id="{place}">{markup(text)}</b>'
 
 
 def _uses(page: _Page, scope: str, name: str) -> tuple[str, str]:
     """Return the links to where a variable is written and read."""
-    uses = page.report.references.get((scope.casefold(), name.casefold()), ())
+    uses = page.report.references.get((scope, name.casefold()), ())
     return (_links(page, [u for u in uses if u.access in (Access.WRITE, Access.BOTH)]),
             _links(page, [u for u in uses if u.access is not Access.WRITE]))
 
@@ -293,18 +291,19 @@ def _links(page: _Page, uses: Iterable[Use]) -> str:
 
 def _link(page: _Page, use: Use) -> str:
     """Return a link to the component, where it is drawn; else to the POU."""
-    pou, rung, component = use.pou.casefold(), use.rung, use.component
+    key, rung, component = use.pou, use.rung, use.component
+    pou = page.keyed[key]
     if not component:
-        return _to_pou(page.named[pou])
+        return _to_pou(pou)
     # A value that is written at a pin of an imported drawing belongs to the block.
     owner = component.partition('-')[0]
     keys: tuple[tuple[str, ...], ...] = (
-        (pou, rung, component), (pou, component), (pou, owner))
-    found = next((page.places[key] for key in keys if key in page.places), None)
+        (key, rung, component), (key, component), (key, owner))
+    found = next((page.places[one] for one in keys if one in page.places), None)
     if found is None:
-        return _to_pou(page.named[pou])
+        return _to_pou(pou)
     drawn, place = found
-    text = markup(f'{use.pou}/{drawn}')
+    text = markup(f'{pou.name}/{drawn}')
     return f'<a href="#{place}" title="{markup(component)}">{text}</a>'
 
 

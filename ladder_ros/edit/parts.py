@@ -26,7 +26,8 @@ from ladder_ros.model.component import (
     Instance,
     Placement,
 )
-from ladder_ros.source.grammar import IDENTIFIER, MAX_ATTRIBUTE, MAX_NAME
+from ladder_ros.model.names import MAX_NAME
+from ladder_ros.source.grammar import IDENTIFIER, MAX_ATTRIBUTE
 
 _Kind = TypeVar('_Kind', bound=Enum)
 _WIDTH = 2

@@ -230,11 +230,6 @@ class Program:
     enumerations: Mapping[str, int] = field(default_factory=dict)
     """Values of enumerations by casefolded name, ``green`` and ``colour#green`` alike."""
     warnings: tuple[Diagnostic, ...] = ()
-
-    @property
-    def pous(self) -> tuple[Pou, ...]:
-        """The composites, then the bodies."""
-        return (*self.composites, *self.bodies)
     """What the reader of an imported file found and survived."""
     stubs: bool = False
     """Whether unknown blocks get stand-ins instead of an error."""
@@ -244,6 +239,11 @@ class Program:
     location: Location = Location()
 
     @property
+    def pous(self) -> tuple[Pou, ...]:
+        """The composites, then the bodies."""
+        return (*self.composites, *self.bodies)
+
+    @property
     def is_library(self) -> bool:
         """Whether it holds composites and nothing that runs."""
         return bool(self.composites) and not (self.bodies or self.variables or self.tasks)
@@ -251,3 +251,8 @@ class Program:
 
 Pou = Body | Composite
 """A program organisation unit: a program body or a composite's definition."""
+
+
+def pou_key(pou: Pou) -> str:
+    """Return the key of a POU among all of a program: a body and a composite may share a name."""
+    return f'{"body" if isinstance(pou, Body) else "composite"} {pou.name.casefold()}'

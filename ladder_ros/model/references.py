@@ -22,7 +22,8 @@ class Access(Enum):
 class Use:
     """One use: by a component of a rung, or (both empty) by the text of a POU.
 
-    ``name`` is spelled as it is there, a member's or element's included.
+    ``name`` is spelled as it is there, a member's or element's included; ``pou`` is the key of the
+    POU (`program.pou_key`).
     """
 
     access: Access
@@ -33,4 +34,4 @@ class Use:
 
 
 References = Mapping[tuple[str, str], tuple[Use, ...]]
-"""Uses by (casefolded POU that declares the name, or '' for the program; casefolded name)."""
+"""Uses by (key of the POU that declares the name, or '' for the program; casefolded name)."""

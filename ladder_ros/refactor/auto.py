@@ -15,7 +15,7 @@ from ladder_ros.refactor.extract import extract
 from ladder_ros.refactor.fit import Role
 from ladder_ros.refactor.fragments import shape_program
 from ladder_ros.refactor.metrics import measure
-from ladder_ros.refactor.naming import common_name, is_block, unique
+from ladder_ros.refactor.naming import common_name, is_block, unique_name
 from ladder_ros.refactor.unused import forget
 from ladder_ros.source.model_to_xml import write_program
 
@@ -89,4 +89,4 @@ def suggest_name(program: Program, repeat: Repeat) -> str:
                if slot.role is Role.PARAMETER and slot.direction.value != 'input']
     name = next((found for slot in reversed(written)
                  if (found := common_name(slot.texts, ''))), 'Composite')
-    return unique(f'{name}Box' if is_block(name) else name, taken)
+    return unique_name(f'{name}Box' if is_block(name) else name, taken)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 
 from ladder_ros.model.component import Block
-from ladder_ros.model.program import Composite, Pou, Program
+from ladder_ros.model.program import Composite, Pou, pou_key, Program
 from ladder_ros.model.references import Access, References, Use
 from ladder_ros.model.st import (
     Assignment,
@@ -29,18 +29,18 @@ def cross_reference(program: Program) -> References:
         *(variable.name for variable in program.variables),
         *(name for name, _ in program.blocks))}
     for pou in program.pous:
-        own = _own(pou)
+        own, key = _own(pou), pou_key(pou)
         for use in _uses(program, pou):
             name = _declared(use.name, own)
             if name:
-                found[pou.name.casefold(), name].append(use)
+                found[key, name].append(use)
                 continue
             name = _declared(use.name, shared)
             if name:
                 found['', name].append(use)
             elif use.access is Access.STATE:
-                found[pou.name.casefold(), use.name.casefold()].append(use)
-    return {key: tuple(dict.fromkeys(uses)) for key, uses in found.items()}
+                found[key, use.name.casefold()].append(use)
+    return {name: tuple(dict.fromkeys(uses)) for name, uses in found.items()}
 
 
 def _own(pou: Pou) -> set[str]:
@@ -63,7 +63,7 @@ def _declared(text: str, names: set[str]) -> str:
 
 
 def _uses(program: Program, pou: Pou) -> Iterator[Use]:
-    known = directions(program.composites)
+    known, key = directions(program.composites), pou_key(pou)
     for rung in pou.rungs:
         for component in rung.components:
             for place in places(component, known):
@@ -72,14 +72,14 @@ def _uses(program: Program, pou: Pou) -> Iterator[Use]:
                     (name, place.access if access is Access.READ else access)
                     for name, access in _names(expression)]
                 for name, access in texts:
-                    yield Use(access=access, name=name, pou=pou.name, rung=rung.id,
+                    yield Use(access=access, name=name, pou=key, rung=rung.id,
                               component=component.id)
             if isinstance(component, Block):
                 for name, access in _names(component.statements):
-                    yield Use(access=access, name=name, pou=pou.name, rung=rung.id,
+                    yield Use(access=access, name=name, pou=key, rung=rung.id,
                               component=component.id)
     for name, access in _names(pou.statements):
-        yield Use(access=access, name=name, pou=pou.name)
+        yield Use(access=access, name=name, pou=key)
 
 
 def _names(text: object) -> Iterator[tuple[str, Access]]:

@@ -25,6 +25,7 @@ from ladder_ros.model.component import (
     Instance,
     Placement,
 )
+from ladder_ros.model.names import why_illegal
 from ladder_ros.model.program import (
     Body,
     CallKind,
@@ -49,10 +50,10 @@ from ladder_ros.refactor.naming import (
     common_comment,
     common_name,
     is_block,
-    is_legal,
     numbered,
     snake,
     unique,
+    unique_name,
 )
 from ladder_ros.refactor.parts import box_symbol, cut
 from ladder_ros.refactor.places import (
@@ -83,12 +84,11 @@ def extract(
 
 def check_name(program: Program, name: str) -> None:
     """Raise LadderError L0632 unless a new composite may have this name."""
-    reason = ''
-    if not is_legal(name):
-        reason = 'it is no legal name'
-    elif is_block(name):
+    reason = why_illegal(name)
+    if not reason and is_block(name):
         reason = 'a block of the catalogue has this name'
-    elif any(composite.name.casefold() == name.casefold() for composite in program.composites):
+    elif not reason and any(
+            composite.name.casefold() == name.casefold() for composite in program.composites):
         reason = 'there is a composite of this name'
     if reason:
         raise LadderError.of('L0632', program.location, name=name, reason=reason)
@@ -105,7 +105,7 @@ def _member_names(fit: Fit) -> tuple[str, ...]:
         texts = [base(text) if slot.role is Role.STATE else text for text in slot.texts]
         words = [text for text in texts if not is_literal(text)]
         name = common_name(words, '') if words else ''
-        names.append(unique(name or f'{_FALLBACK[slot.access]}1', taken))
+        names.append(unique_name(name or f'{_FALLBACK[slot.access]}1', taken))
     return tuple(names)
 
 

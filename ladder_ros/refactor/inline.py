@@ -28,6 +28,7 @@ from ladder_ros.model.component import (
     Row,
 )
 from ladder_ros.model.derived import initial_text
+from ladder_ros.model.names import why_illegal
 from ladder_ros.model.program import (
     Body,
     CallKind,
@@ -38,7 +39,7 @@ from ladder_ros.model.program import (
     Variable,
 )
 from ladder_ros.refactor.extract import names_seen, with_pou
-from ladder_ros.refactor.naming import is_legal, unique
+from ladder_ros.refactor.naming import unique, unique_name
 from ladder_ros.refactor.places import remembers, renamed, with_names, with_rungs
 from ladder_ros.refactor.select import require_composite
 from ladder_ros.refactor.shapes import analyse_program, Analysis
@@ -137,9 +138,9 @@ class _Outside:
 
     def _free(self, member: str) -> str:
         for earlier in self.was.get(member.casefold(), ()):
-            if is_legal(earlier) and earlier.casefold() not in self.taken:
+            if not why_illegal(earlier) and earlier.casefold() not in self.taken:
                 return unique(earlier, self.taken)
-        return unique(f'{self.use.box.instance}_{member}', self.taken)
+        return unique_name(f'{self.use.box.instance}_{member}', self.taken)
 
     def variables(self) -> Iterator[Variable]:
         """Yield the composite's variables as the POU's own."""

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 import re
 
 from ladder_ros.model.catalogue import CATALOGUE
-from ladder_ros.source.grammar import MAX_NAME, NAME
+from ladder_ros.model.names import KEYWORDS, MAX_NAME
 
 _WORD = re.compile(r'[A-Z]?[a-z]+|[A-Z]+(?![a-z])|[0-9]+')
 
@@ -33,6 +33,11 @@ def unique(name: str, taken: set[str]) -> str:
         candidate = f'{name}{"_" if name[-1].isdigit() else ""}{count}'
     taken.add(candidate.casefold())
     return candidate
+
+
+def unique_name(name: str, taken: set[str]) -> str:
+    """Return the name, or one like it that is no keyword and not taken yet, and take it."""
+    return unique(f'{name}_1' if name.upper() in KEYWORDS else name, taken)
 
 
 def numbered(stem: str, taken: set[str]) -> str:
@@ -68,12 +73,6 @@ def _shared(lines: Sequence[list[str]]) -> list[str]:
     while all(len(line) > count for line in lines) and len({line[count] for line in lines}) == 1:
         count += 1
     return lines[0][:count] if lines else []
-
-
-def is_legal(name: str) -> bool:
-    """Say whether something of our own format may have this name; a literal is none."""
-    return len(name) <= MAX_NAME and NAME.fullmatch(name) is not None and (
-        name.upper() not in ('TRUE', 'FALSE'))
 
 
 def is_block(name: str) -> bool:

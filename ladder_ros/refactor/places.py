@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-import re
 
 from typing_extensions import assert_never
 
@@ -30,10 +29,10 @@ from ladder_ros.model.component import (
     OutVariable,
     Row,
 )
+from ladder_ros.model.names import PATH
 from ladder_ros.model.program import Composite, Direction, Pou, Rung
 from ladder_ros.model.references import Access
 
-_NAME = re.compile(r'[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$')
 _EDGES = (ContactKind.RISING, ContactKind.FALLING, CoilKind.RISING, CoilKind.FALLING)
 _CONSTANTS = ('true', 'false')
 
@@ -109,7 +108,7 @@ def remembers(component: Contact | Coil) -> bool:
 
 def is_literal(text: str) -> bool:
     """Say whether an operand is a constant and not a name."""
-    return _NAME.match(text) is None or text.casefold() in _CONSTANTS
+    return PATH.fullmatch(text) is None or text.casefold() in _CONSTANTS
 
 
 def base(text: str) -> str:

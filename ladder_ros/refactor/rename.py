@@ -13,9 +13,9 @@ from dataclasses import replace
 
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.component import Block, Coil, Component, Contact, Instance
+from ladder_ros.model.names import why_illegal
 from ladder_ros.model.program import Body, Composite, Parameter, Pou, Program, Rung, Variable
 from ladder_ros.refactor.extract import check_name, names_seen, with_pou
-from ladder_ros.refactor.naming import is_legal
 from ladder_ros.refactor.places import remembers, renamed_rung, with_rungs
 
 
@@ -24,8 +24,8 @@ def rename(program: Program, old: str, new: str, pou: Composite | None = None) -
 
     Raises LadderError: L0630 if nothing has the name, L0632 if the new one cannot be used.
     """
-    if not is_legal(new):
-        raise LadderError.of('L0632', program.location, name=new, reason='it is no legal name')
+    if reason := why_illegal(new):
+        raise LadderError.of('L0632', program.location, name=new, reason=reason)
     if pou is not None:
         return _member(program, pou, old, new)
     namespaces: tuple[tuple[set[str], Callable[[Program, str, str], Program]], ...] = (

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+import os
 from pathlib import Path
 import re
 from typing import Any
@@ -58,7 +59,7 @@ class Playback:
 
 def is_bag(path: Path) -> bool:
     """Say whether a path names a rosbag2 recording: a folder, or one of its files."""
-    return path.is_dir() or path.suffix in SUFFIXES
+    return os.path.isdir(path) or path.suffix in SUFFIXES  # isdir: no name is too long for it
 
 
 def play(
@@ -152,7 +153,7 @@ def _open(path: Path) -> Iterator[Any]:
         from rosbags.highlevel import AnyReader
     except ImportError:
         raise _bad(path, NO_READER, 'or replay a recording of ~/record instead') from None
-    if not path.exists():
+    if not os.path.exists(path):
         raise _bad(path, 'there is no such file or folder', 'check the path')
     folder = path if path.is_dir() else path.parent
     try:

@@ -25,12 +25,14 @@ from rclpy.duration import Duration
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.qos import DurabilityPolicy, qos_policy_name_from_kind, QoSProfile, ReliabilityPolicy
 
+from ladder_ros.diagnostics import LadderError, problem
 from ladder_ros.executable import Executable
 from ladder_ros.model.types import Value
 from ladder_ros.ros.io_points import Endpoint, InputPoint, IoMap, OutputPoint
 from ladder_ros.ros.message_types import message_class, new_message
 from ladder_ros.ros.publications import Channel, Publication
 from ladder_ros.ros.reception import Input, NOTHING, Reception, Source, Store
+from ladder_ros.ros.rules import parameter_place
 
 _NO_MAP = IoMap()
 DELIVERY_SECONDS = 0.5
@@ -182,6 +184,27 @@ class Bindings:
         self._feed()
         before, self._settled = self._settled, self._used()
         return _changes(before, self._settled)
+
+    def check(self, io_map: IoMap) -> None:
+        """Raise LadderError (L0602) if a topic that is in use would get another message type.
+
+        A process has one type for a topic; during a change both programs' topics are there.
+        """
+        present = {endpoint.full_topic: endpoint.message for endpoint in self._used()}
+        points: tuple[InputPoint | OutputPoint, ...] = (*io_map.inputs, *io_map.outputs)
+        found = []
+        for point in points:
+            topic, name = point.endpoint.full_topic, point.slot.path
+            used = present.get(topic, point.endpoint.message)
+            if used != point.endpoint.message:
+                found.append(problem(
+                    'L0602', parameter_place(f'io.{name}.type'), type=point.endpoint.message,
+                    name=f'{name} ({point.slot.type})', expected=(
+                        f'{topic} carries {used} while the present program is loaded: give {name} '
+                        'another topic, or change the program while the node is unconfigured '
+                        '(ros2 lifecycle set NODE deactivate, then cleanup)')))
+        if found:
+            raise LadderError(found)
 
     def preview(self, io_map: IoMap) -> Changes:
         """Return what putting a program with this map in place would do to the topics."""

@@ -83,7 +83,9 @@ class Cell:
 
         Raises LadderError.
         """
-        return self.loader.prepare(path, self._successor, strict=strict)
+        prepared = self.loader.prepare(path, self._successor, strict=strict)
+        self.bindings.check(prepared.io_map)
+        return prepared
 
     def _successor(self, path: str) -> Loaded:
         """Compile a program that is to be changed to at once, if what is required is proved."""
@@ -136,7 +138,8 @@ class Cell:
         loaded = self.session.candidate
         if loaded is not None and verdict['verdict'] != 'refused':
             try:
-                self._candidate = self.loader.check_io(path, loaded, strict=False)
+                prepared = self.loader.check_io(path, loaded, strict=False)
+                self.bindings.check(prepared.io_map)
             except LadderError as error:
                 refusals = verdict['refusals']
                 assert isinstance(refusals, list)
@@ -145,6 +148,7 @@ class Cell:
                     'diagnostics': [item.to_json() for item in error.diagnostics]})
                 verdict['verdict'] = 'refused'
             else:
+                self._candidate = prepared
                 verdict['topics'] = self.bindings.preview(self._candidate.io_map).to_json()
                 verdict['diagnostics'] = [
                     item.to_json() for item in self._candidate.warnings()[:SHOWN_NAMES]]
@@ -233,6 +237,10 @@ class Cell:
                     'L0604', parameter_place('forces'), text, name='forces',
                     expected='write name=value, for example motor=FALSE')
             slot = find_slot(self.session.executable, name.strip())
+            if slot.path in wanted:
+                raise LadderError.of(
+                    'L0604', parameter_place('forces'), text, name='forces',
+                    expected=f'{slot.path} is there twice: give it one value')
             try:
                 wanted[slot.path] = parse_value(value.strip(), slot.type)
             except ValueError as error:

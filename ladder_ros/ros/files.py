@@ -61,10 +61,11 @@ class Recordings:
             return self.folder / f'{self._node_name}.{moment}{SUFFIX}'
         try:
             path = (self.folder / name).resolve()
-            inside = path.parent == self.folder.resolve() and bool(path.name)
-        except (OSError, RuntimeError, ValueError):  # a loop of links, a NUL
-            inside = False
-        if not inside or path.is_dir():
+            usable = (path.parent == self.folder.resolve() and path.name.isprintable()
+                      and bool(path.name) and not path.is_dir())
+        except (OSError, RuntimeError, ValueError):  # a loop of links, a NUL, too long
+            usable = False
+        if not usable:
             raise LadderError.of(
                 'L0604', parameter_place('record_file'), name, name='record_file',
                 expected=f'write the name of a file in the folder {self.folder}')

@@ -447,8 +447,12 @@ class Plc:
         if report['kind'] == 'untest':
             self._cell.settle()
             self._cell.forget_candidate()
-            log = self._log.info if change.reason == ASKED_FOR else self._log.warning
-            log(f'the test has ended ({change.reason}): {change.loaded.path} runs again')
+            text = f'the test has ended ({change.reason}): {change.loaded.path} runs again'
+            # The client library lets a line of code log with one severity only.
+            if change.reason == ASKED_FOR:
+                self._log.info(text)
+            else:
+                self._log.warning(text)
         if change.report is not None and change.report.forces_dropped:
             names = ', '.join(change.report.forces_dropped)
             self._log.warning(f'the program has no variable for these forces: {names}')

@@ -59,9 +59,9 @@ class TraceRecorder:
         self.path = os.fspath(path)
         try:
             self._file: TextIO = open(self.path, 'w', encoding='utf-8')  # noqa: SIM115
-        except OSError as error:
-            raise LadderError.of('L0507', Location(file=self.path),
-                                 reason=error.strerror or str(error)) from None
+        except (OSError, ValueError) as error:  # a NUL in the name
+            reason = getattr(error, 'strerror', None) or str(error)
+            raise LadderError.of('L0507', Location(file=self.path), reason=reason) from None
         self._cycle: ScanCycle | None = None
         self._version = -1
         self._outputs: tuple[int, ...] = ()

@@ -138,7 +138,7 @@ def _documents(file: str) -> Iterator[tuple[int, Any]]:
                     yield line, json.loads(text)
                 except (ValueError, RecursionError):
                     raise _bad(file, line, 'it is no recording of ladder_ros') from None
-    except (OSError, UnicodeDecodeError) as error:
+    except (OSError, ValueError) as error:  # no text, no name of a file
         raise _bad(file, None, getattr(error, 'strerror', None) or str(error)) from None
 
 

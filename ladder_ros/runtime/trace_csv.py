@@ -101,6 +101,9 @@ def _numbered(rows: Iterator[list[str]], file: str) -> Iterator[tuple[int, list[
 
 def _read_header(header: Sequence[str], executable: Executable, file: str) -> tuple[Slot, ...]:
     place = Location(file=file, line=1)
+    for sign, name in ((';', 'semicolons'), ('\t', 'tabs')):
+        if len(header) == 1 and sign in header[0]:
+            raise _unreadable(file, 1, f'it has {name} between the cells', 'save it with commas')
     if not any(name.strip() for name in header):
         return ()
     slots: dict[int, Slot] = {}

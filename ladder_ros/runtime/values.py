@@ -3,8 +3,8 @@
 """Values as plain text, as in tables, on the command line and in parameters.
 
 BOOL is 0 or 1, TIME is in milliseconds, REAL and LREAL are the shortest text of the 64-bit value,
-STRING is the characters themselves.  IEC literals (``TRUE``, ``16#FF``, ``T#1s``, ``'text'``) are
-read too.
+STRING is the characters themselves, or a literal where those look like one or have blanks around.
+IEC literals (``TRUE``, ``16#FF``, ``T#1s``, ``'text'``) are read too.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import math
 
 from ladder_ros.model.types import (
     DataType,
+    format_literal,
     INTEGER_RANGE,
     normalise,
     NS_PER_MS,
@@ -32,8 +33,7 @@ def parse_value(text: str, type_: DataType) -> Value:
     Raises ValueError with a sentence that says what is wrong.
     """
     if type_ is DataType.STRING:
-        is_literal = len(text) >= 2 and text[0] == text[-1] == "'"
-        return check_value(parse_literal(text, type_) if is_literal else text, type_)
+        return check_value(parse_literal(text, type_) if _is_quoted(text) else text, type_)
     text = text.strip()
     if len(text) > _LONGEST:
         raise ValueError(f'a value of {len(text)} characters is too long')
@@ -42,6 +42,10 @@ def parse_value(text: str, type_: DataType) -> Value:
     if type_.is_real:
         return _parse_real(text, type_)
     return parse_literal(text, type_)
+
+
+def _is_quoted(text: str) -> bool:
+    return len(text) >= 2 and text[0] == text[-1] == "'"
 
 
 def _parse_milliseconds(text: str) -> int:
@@ -63,6 +67,8 @@ def _parse_real(text: str, type_: DataType) -> Value:
         number = float(text)
     except ValueError:
         return parse_literal(text, type_)
+    if math.isinf(number) and any(character.isdigit() for character in text):
+        raise ValueError(f'{text} is too large for {type_}')
     return check_value(number, type_)
 
 
@@ -74,7 +80,10 @@ def format_value(value: Value, type_: DataType) -> str:
         return _format_milliseconds(int(value))
     if type_.is_real:
         return repr(float(value))
-    return str(value)
+    text = str(value)
+    if type_ is DataType.STRING and (_is_quoted(text) or text != text.strip()):
+        return format_literal(text, type_)
+    return text
 
 
 def _format_milliseconds(value: int) -> str:

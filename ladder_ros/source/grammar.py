@@ -30,21 +30,18 @@ MAX_POUS = 5_000
 MAX_TASKS = 100
 MAX_LIBRARIES = 50
 MAX_NUMBER = 100_000
-MAX_NAME = 128
 MAX_OPERAND = 300
 MAX_ATTRIBUTE = 4096
 
-NAME = re.compile(r'(?:_[A-Za-z0-9]|[A-Za-z])[A-Za-z0-9]*(?:_[A-Za-z0-9]+)*')
-"""Letters, digits and single underscores; no digit first, no underscore last."""
 IDENTIFIER = re.compile(r'[A-Za-z0-9_\-]+')
 """What may be an id of a rung or a component."""
 NUMBER = re.compile(r'[0-9]{1,5}|100000')
 SIZE = re.compile(r'[1-9][0-9]{0,4}|100000')
-_PART = r'[A-Za-z0-9_\-]+'
+_PART = r'[\w\-]+'
 _PLACE = rf'{_PART}(?:[./]{_PART})*'
 WAS = re.compile(rf'{_PLACE}(?:={_PLACE})?(?: +{_PLACE}(?:={_PLACE})?)*')
 """Where state was in earlier programs: paths, or ``member=path``, with blanks between."""
-BINDING = re.compile(rf'({_PART})=([A-Za-z0-9_.#+:\-]{{1,{MAX_OPERAND}}})')
+BINDING = re.compile(rf'({_PART})=([\w.#+:\-]{{1,{MAX_OPERAND}}})')
 BIND = re.compile(rf'{BINDING.pattern}(?: +{BINDING.pattern})*')
 """Arguments in short: ``parameter=operand``, with blanks between."""
 LIBRARY = re.compile(r'(?:[A-Za-z0-9_\-][A-Za-z0-9_.\-]*/)*[A-Za-z0-9_\-][A-Za-z0-9_.\-]*')
@@ -53,8 +50,6 @@ HASH = re.compile(r'[0-9a-f]{16,64}')
 ADDRESS = re.compile(r'%[IQMiqm][XBWDLxbwdl]?[0-9]+(?:\.[0-9]+)*')
 """Directly represented variable (IEC 61131-3, 6.5.5)."""
 
-FOREIGN_NAME = re.compile(r'[^\W\d]\w*')
-"""What may be a name in a program that was drawn elsewhere: letters of any script, underscores."""
 POSITION = re.compile(r'-?[0-9]{1,9}')
 """A position on the page of a drawing with wires."""
 PORT = re.compile(r'[A-Za-z0-9_\-]+(?:\..{1,128})?')

@@ -27,8 +27,9 @@ from ladder_ros.model.component import (
     PinModifier,
     Placement,
 )
+from ladder_ros.model.names import FOREIGN_NAME
 from ladder_ros.model.program import Order, Port, Rung, Wire
-from ladder_ros.source.grammar import MAX_COMPONENTS, NAME
+from ladder_ros.source.grammar import MAX_COMPONENTS
 from ladder_ros.source.plcopen_operands import Operands
 from ladder_ros.source.plcopen_pins import Pin, Pins, read_pins, Signature
 from ladder_ros.source.plcopen_project import child, children, prose, text_holder, vendor_data
@@ -316,7 +317,7 @@ class _Reader:
         if not text.strip('?'):
             self.report.add('L0133', part.location, what=f'a {part.element.tag}',
                             help='give it the name of a label in the editor')
-        elif not NAME.fullmatch(text):
+        elif not FOREIGN_NAME.fullmatch(text):
             self.report.add('L0202', part.location, name=text)
         else:
             return text
@@ -405,7 +406,9 @@ class _Reader:
         name = part.element.attributes.get('instanceName', '').strip()
         if name.strip('?'):
             return name
-        name = f'{type_}_{part.id}' if NAME.fullmatch(f'{type_}_{part.id}') else f'fb{part.id}'
+        name = f'{type_}_{part.id}'
+        if not FOREIGN_NAME.fullmatch(name):
+            name = f'fb{part.id}'
         self.report.add('L0139', part.location, type=type_, name=name)
         return name
 

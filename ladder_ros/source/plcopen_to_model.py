@@ -17,6 +17,7 @@ import re
 
 from ladder_ros.diagnostics import LadderError, Location, problem
 from ladder_ros.model.component import Instance, Placement
+from ladder_ros.model.names import why_illegal
 from ladder_ros.model.program import (
     Body,
     CallKind,
@@ -31,7 +32,7 @@ from ladder_ros.model.program import (
     Wire,
 )
 from ladder_ros.model.st import Statement
-from ladder_ros.source.grammar import MAX_POUS, NAME
+from ladder_ros.source.grammar import MAX_POUS
 from ladder_ros.source.plcopen_drawing import read_drawing
 from ladder_ros.source.plcopen_interface import Declarations, Interface, Section
 from ladder_ros.source.plcopen_operands import Operands
@@ -393,7 +394,7 @@ class _Importer:
         name = re.sub(r'[^A-Za-z0-9]+', '_', given).strip('_')[:100]
         if name[:1].isdigit():
             name = f'_{name}'
-        return name if NAME.fullmatch(name) else 'project'
+        return 'project' if why_illegal(name) else name
 
 
 def _key(pou: Element) -> str:

@@ -17,6 +17,7 @@ import textwrap
 from typing import TypeVar
 
 from ladder_ros.diagnostics import Location, problem
+from ladder_ros.model.names import MAX_NAME, why_illegal
 from ladder_ros.model.types import DataType, default_value, parse_literal, parse_time, Value
 from ladder_ros.source import grammar
 from ladder_ros.source.grammar import Rule, RULES
@@ -186,12 +187,11 @@ class Form:
     def name(self, element: Element, attribute: str) -> str:
         """Return a name."""
         value = element.attributes.get(attribute, '')
-        if len(value) > grammar.MAX_NAME:
-            self.report('L0202', element, f'{attribute} of {len(value)} characters', name=value,
-                        help=f'a name has at most {grammar.MAX_NAME} characters')
-        elif attribute in element.attributes and not (
-                grammar.FOREIGN_NAME if self.is_foreign else grammar.NAME).fullmatch(value):
-            self.report('L0202', element, f'{attribute}="{value}"', name=repr(value))
+        reason = why_illegal(value, is_foreign=self.is_foreign)
+        if reason and attribute in element.attributes:
+            label = f'{attribute}="{value}"' if len(value) <= MAX_NAME else (
+                f'{attribute} of {len(value)} characters')
+            self.report('L0202', element, label, name=repr(value), help=reason)
         return value
 
     def identifier(self, element: Element, attribute: str = 'id') -> str:
@@ -201,10 +201,10 @@ class Form:
         if known is not None:
             return known
         if attribute in element.attributes and (
-            len(value) > grammar.MAX_NAME or not grammar.IDENTIFIER.fullmatch(value)
+            len(value) > MAX_NAME or not grammar.IDENTIFIER.fullmatch(value)
         ):
             self.bad_value(element, attribute, 'an id is letters, digits, _ and -, at most '
-                           f'{grammar.MAX_NAME} of them')
+                           f'{MAX_NAME} of them')
             return value
         return self._identifiers.setdefault(value, value) if value else ''
 
@@ -283,4 +283,4 @@ def allowed(word: str, known: Iterable[str], verb: str = 'allowed here:') -> str
 
 def shown(name: str) -> str:
     """Return what a location says of a name that has not been checked yet."""
-    return ''.join(c for c in name[:grammar.MAX_NAME] if c.isprintable())
+    return ''.join(c for c in name[:MAX_NAME] if c.isprintable())

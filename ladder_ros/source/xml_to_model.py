@@ -28,6 +28,7 @@ from ladder_ros.model.component import (
     Side,
 )
 from ladder_ros.model.derived import elementary, Initial
+from ladder_ros.model.names import MAX_NAME
 from ladder_ros.model.program import (
     Body,
     CallKind,
@@ -197,7 +198,7 @@ class _Reader:
         if initial is None and isinstance(type_ or DataType.BOOL, DataType):
             initial = default_value(elementary(type_ or DataType.BOOL) or DataType.BOOL)
         address = element.attributes.get('at', '')
-        if address and (len(address) > grammar.MAX_NAME
+        if address and (len(address) > MAX_NAME
                         or not grammar.ADDRESS.fullmatch(address)):
             self.form.bad_value(element, 'at', 'write an address such as %IX0.0, %QX1.7 or %MW10')
         return Variable(

@@ -251,6 +251,18 @@ def test_output_when_its_reader_has_gone_then_nothing_is_complained_of(folder: P
         assert (child.stderr.read(), child.wait(60)) == (b'', 141)
 
 
+@pytest.mark.parametrize('arguments', ['show seal_in.xml', '--help'])
+@pytest.mark.parametrize('stream', ['>&-', '2>&-'])
+def test_output_when_its_stream_is_closed_then_the_status_still_tells(
+    folder: Path, arguments: str, stream: str,
+) -> None:
+    run = subprocess.run(
+        f'{sys.executable} -m ladder_ros.cli {arguments} {stream}', shell=True, cwd=folder,
+        capture_output=True, timeout=60,
+        env={**os.environ, 'PYTHONPATH': str(Path(ladder_ros.__file__).parents[1])})
+    assert (run.returncode, run.stderr) == (0, b'')
+
+
 @pytest.mark.skipif(not os.path.exists('/dev/full'), reason='no /dev/full here')
 def test_output_when_the_disk_is_full_then_it_is_a_diagnostic(folder: Path) -> None:
     with open('/dev/full', 'w') as full:

@@ -150,9 +150,6 @@ WRONG: dict[str, Wrong] = {
         code='L0201', rung=timer(more='instance="M"'), here='id="b"', cell=(1, 0)),
     'L0201 composite': Wrong(
         code='L0201', composites=COMPOSITE.replace('Box', 'TON'), here='name="TON"', pou='TON'),
-    'L0202 name': Wrong(
-        code='L0202', rung=f'{contact(0, 0)}{coil(2, 0)}<row id="r-1" x="1" y="0"/>',
-        here='id="r-1"', cell=(1, 0)),
     'L0203 variable': Wrong(
         code='L0203', rung=contact(0, 0, 'mm') + coil(1, 0), width=2, here='"mm"', cell=(0, 0)),
     'L0203 in a composite': Wrong(
@@ -307,7 +304,7 @@ WRONG: dict[str, Wrong] = {
 }
 
 # Codes of no drawing: the reader's, a wiring's (below), an instruction list's (test_il.py).
-ELSEWHERE = {'L0218', 'L0313', 'L0402'}
+ELSEWHERE = {'L0202', 'L0218', 'L0313', 'L0402'}
 
 
 @pytest.fixture(params=WRONG, ids=lambda name: name.replace(' ', '_'))

@@ -130,8 +130,8 @@ def test_timer_when_in_a_parallel_branch_then_runs_by_itself(backend: str) -> No
 
 def test_edge_contact_when_power_does_not_reach_it_then_sees_its_variable(backend: str) -> None:
     machine = Machine(case_program('edges_in_dead_branch'), backend)
-    machine.scan(on=False, a=False).scan(a=True)
-    assert machine.scan(on=True)['rose'] is False, 'the variable rose a scan before'
+    machine.scan(go=False, a=False).scan(a=True)
+    assert machine.scan(go=True)['rose'] is False, 'the variable rose a scan before'
     assert machine.scan(a=False)['fell'] is True
     assert machine.scan(a=True)['rose'] is True
     assert machine.scan()['rose'] is False
@@ -142,7 +142,7 @@ def test_falling_contact_when_its_variable_is_off_in_the_first_scan_then_pulses_
 ) -> None:
     """As F_TRIG does in the compilers that imported programs were written for."""
     machine = Machine(case_program('edges_in_dead_branch'), backend)
-    assert machine.scan(on=True, a=False)['fell'] is True
+    assert machine.scan(go=True, a=False)['fell'] is True
     assert machine.scan()['fell'] is False
 
 
@@ -234,10 +234,10 @@ def test_bodies_when_their_rungs_have_the_same_ids_then_edges_do_not_mix() -> No
     program = case_program('edges_in_dead_branch')
     (main,) = program.bodies
     rungs = tuple(replace(rung, components=tuple(
-        replace(c, operand={'a': 'on', 'on': 'a'}.get(c.operand, c.operand))  # type: ignore
+        replace(c, operand={'a': 'go', 'go': 'a'}.get(c.operand, c.operand))  # type: ignore
         for c in rung.components)) for rung in main.rungs)
     other = replace(main, name='other', rungs=rungs)
-    scans = tuple((n * NS_PER_MS, {'on': on, 'a': a}) for n, (on, a) in enumerate(
+    scans = tuple((n * NS_PER_MS, {'go': on, 'a': a}) for n, (on, a) in enumerate(
         product((False, True), (True, False, True))))
     assert_agreement(Case(
         program=replace(program, bodies=(main, other)), scans=scans))  # type: ignore[arg-type]

@@ -195,13 +195,13 @@ def test_program_of_any_blocks_when_exported_and_read_back_then_runs_the_same(
 def test_st_when_names_are_keywords_then_others_are_taken() -> None:
     program = parse_program(
         b'<ladder version="1" name="p"><variables>'
-        b'<variable name="on" class="input" type="BOOL"/>'
+        b'<variable name="st" class="input" type="BOOL"/>'
         b'<variable name="end" class="output" type="BOOL"/></variables>'
-        b'<body name="main"><rung id="1" width="2"><contact id="a" x="0" y="0" operand="on"/>'
+        b'<body name="main"><rung id="1" width="2"><contact id="a" x="0" y="0" operand="st"/>'
         b'<coil id="b" x="1" y="0" operand="end"/></rung></body></ladder>', 'p.xml')
     text = write_st(program)
-    assert 'on_2 : BOOL; (* on *)' in text
-    assert 'end_2 := on_2;' in text
+    assert 'st_2 : BOOL; (* st *)' in text
+    assert 'end_2 := st_2;' in text
 
 
 def test_st_when_two_bools_are_compared_then_by_an_operator() -> None:

@@ -43,7 +43,7 @@ PROGRAM = b"""\
         <coil id="k1" x="2" y="0" operand="Pulse"/>
       </rung>
     </composite>
-    <composite name="Task" call="enabled">
+    <composite name="Chore" call="enabled">
       <parameter name="Over" type="BOOL" direction="output"/>
       <parameter name="Pulse" type="BOOL" direction="output"/>
       <rung id="1" width="2">
@@ -71,7 +71,7 @@ PROGRAM = b"""\
     </rung>
     <rung id="2" width="3">
       <contact id="c1" x="0" y="0" operand="enable"/>
-      <instance id="i1" x="1" y="0" width="2" height="3" composite="Task" instance="task">
+      <instance id="i1" x="1" y="0" width="2" height="3" composite="Chore" instance="chore">
         <argument parameter="Over" operand="nested_over"/>
         <argument parameter="Pulse" operand="nested_pulse"/>
       </instance>
@@ -207,7 +207,7 @@ def test_timer_release_when_disabled_in_mid_run_then_the_timers_are_as_never_sta
 ) -> None:
     released.run(True, 400)
     released.run(False, STEP)
-    for instance in ('phase', 'task.phase'):
+    for instance in ('phase', 'chore.phase'):
         for timer in ('wait', 'single'):
             assert released.value(f'{instance}.{timer}.q') is False
             assert released.value(f'{instance}.{timer}.et') == 0

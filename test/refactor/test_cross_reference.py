@@ -28,7 +28,8 @@ def test_variable_when_in_contacts_and_coils_then_each_is_listed_once() -> None:
 def test_parameter_when_named_as_a_variable_then_it_is_the_composites_own() -> None:
     program = read_any(ROOT / 'programs' / 'elevator_3_floor.xml')
     found = cross_reference(program)
-    assert {use.pou for use in found['floorindicator', 'lightn']} == {'FloorIndicator'}
+    assert {use.pou for use in found['composite floorindicator', 'lightn']} == {
+        'composite floorindicator'}
     assert ('', 'lightn') not in found
 
 
@@ -50,3 +51,20 @@ def test_text_when_it_assigns_then_targets_are_written_and_the_rest_is_read() ->
     program = parse_any(project(body), 'f.xml')
     assert [[use[0] for use in uses(program, '', name)] for name in ('a', 'n', 'i')] == [
         ['writes', 'reads'], ['reads'], ['writes']]
+
+
+def test_name_when_a_body_and_a_composite_are_called_alike_then_each_has_its_own() -> None:
+    rung = '<rung id="1" width="1"><coil id="k" x="0" y="0" operand="{}"/></rung>'
+    timer = ('<rung id="2" width="1"><block id="b" x="0" y="0" type="TON" instance="t">'
+             '<input pin="PT" operand="{}"/></block></rung>')
+    program = parse_any((
+        '<ladder version="1" name="p"><composites><composite name="Main" call="enabled">'
+        '<variable name="a" type="BOOL"/>' + rung.format('a')
+        + timer.format('T#1s') + '</composite></composites>'
+        '<variables><variable name="b" type="BOOL"/></variables><body name="main">'
+        + rung.format('b') + timer.format('T#2s') + '</body></ladder>'
+    ).encode(), 'p.xml')
+    found = cross_reference(program)
+    assert {key: len(of) for key, of in found.items()} == {
+        ('composite main', 'a'): 1, ('composite main', 't'): 1, ('', 'b'): 1,
+        ('body main', 't'): 1}

@@ -144,6 +144,18 @@ def test_test_when_nobody_accepts_then_it_ends_by_itself_and_says_why(plc: Start
         f'{running.client.plc}/lamp'), 'the topic going')
 
 
+def test_test_when_it_ends_by_itself_after_one_was_taken_back_then_both_are_told(
+        plc: Start) -> None:
+    running = plc(COPY)
+    candidate(running, COPY.replace('name="test"', 'name="other"'))
+    assert running.client.call('test')['success'] and running.client.call('untest')['success']
+    running.process.wait_for_output('the test has ended (asked for)')
+    assert running.client.set_parameter('change.timeout', 0.1).successful
+    assert running.client.call('test')['success']
+    running.process.wait_for_output('the test has ended (the test was not accepted')
+    assert running.client.wait_state(program='test')['last_error'] == ''
+
+
 def test_test_when_outputs_agree_then_nothing_is_published_that_is_not_so(plc: Start) -> None:
     from std_msgs.msg import Bool
 
@@ -245,6 +257,28 @@ def test_forces_when_a_change_drops_one_then_the_parameter_says_what_is_left(plc
     assert report['forces_dropped'] == ['c']
     running.client.wait_state(forces={'b': '1'})
     until(lambda: running.client.get_parameter('forces') == ['b=1'], 'the parameter')
+
+
+def test_change_when_a_topic_would_get_another_type_then_it_is_refused_before_it_is_made(
+        plc: Start) -> None:
+    rung = series(1, ['a'], 'b')
+    running = plc(program({'a': 'input BOOL', 'b': 'output BOOL', 'n': 'input INT'}, rung))
+    wider = program({'a': 'input BOOL', 'b': 'output BOOL', 'n': 'input DINT'}, rung)
+    candidate(running, wider)
+    for request in ('preflight', 'test'):
+        report = running.client.call(request)
+        (refusal,) = report['refusals']
+        assert (report['success'], refusal['code']) == (False, 'io')
+        assert [item['code'] for item in refusal['diagnostics']] == ['L0602']
+    result = running.client.set_parameter('program', 'candidate.xml')
+    assert not result.successful and 'n carries std_msgs/msg/Int16' in result.reason
+    # As the sentence says, with the topics gone it can be.
+    assert running.client.change_state('deactivate') and running.client.change_state('cleanup')
+    result = running.client.set_parameter('program', 'candidate.xml')
+    assert result.successful, result.reason
+    assert running.client.call('start')['success']
+    running.client.wait_state(
+        path=str(running.file.with_name('candidate.xml')), state='running')
 
 
 def test_preflight_when_a_proof_is_required_then_only_what_behaves_alike_is_let_in(

@@ -375,7 +375,7 @@ def test_recording_when_made_by_a_running_node_then_it_replays_to_the_bit(
 
 def test_recording_when_named_outside_of_the_folder_then_it_is_refused(plc: Start) -> None:
     running = plc(COPY)
-    for name in ('/etc/passwd', '../x', 'a/b', '.'):
+    for name in ('/etc/passwd', '../x', 'a/b', '.', '\n', 'x' * 5000):
         result = running.client.set_parameter('record_file', name)
         assert not result.successful and 'L0604' in result.reason
     assert running.client.set_parameter('record_file', 'monday').successful

@@ -97,6 +97,13 @@ def test_recording_when_the_program_fails_then_it_ends_there(
     assert (status, answer['diagnostics'][0]['code']) == (1, 'L0109')
 
 
+@pytest.mark.parametrize('name', ['missing', 'x' * 300, 'x' * 300 + '.db3', 'nul\0'])
+def test_recording_when_there_is_none_of_the_name_then_it_is_a_problem(
+        capsys: pytest.CaptureFixture[str], latch: Path, name: str) -> None:
+    status, answer = ladder(capsys, 'replay', latch, name)
+    assert (status, answer['ok'], len(answer['diagnostics'])) == (1, False, 1)
+
+
 def test_bag_when_replayed_then_messages_are_inputs_at_their_scans(
         capsys: pytest.CaptureFixture[str], latch: Path, tmp_path: Path) -> None:
     recording = bag(tmp_path / 'bag', [

@@ -231,6 +231,8 @@ def test_force_when_set_by_parameter_then_the_program_cannot_change_it(plc: Star
     assert running.client.set_parameter('forces', ['b=TRUE']).successful
     follows.wait(True)
     running.client.wait_state(forces={'b': '1'})
+    twice = running.client.set_parameter('forces', ['b=TRUE', 'B=FALSE'])
+    assert not twice.successful and 'twice' in twice.reason
     refused = running.client.set_parameter('forces', ['nothing=1'])
     assert not refused.successful and 'L0502' in refused.reason
     assert running.client.set_parameter('forces', ['']).successful

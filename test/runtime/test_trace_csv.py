@@ -75,6 +75,8 @@ def test_table_when_it_has_a_byte_order_mark_and_crlf_then_it_is_read(tmp_path: 
     ('s,a\n"two\nlines",1\nx,7\n', [('L0503', 4)]),
     ('a\n"1"0\n', [('L0501', 2)]),
     ('a\n"1\n', [('L0501', 2)]),
+    ('a;n\n1;2\n', [('L0501', 1)]),
+    ('a\tn\n1\t2\n', [('L0501', 1)]),
     ('s\n' + 'x' * 200_000 + '\n', [('L0501', 2)]),
 ])
 def test_table_when_it_is_bad_then_each_problem_has_its_code_and_line(

@@ -195,7 +195,8 @@ def test_expression_when_parentheses_are_many_then_they_cost_nothing() -> None:
 
 # -- properties -----------------------------------------------------------------------------
 
-NAMES = st.sampled_from(['a', 'b2', '_c', 'Level', 't1', '%IX0.0', 'colour#green'])
+NAMES = st.sampled_from(
+    ['a', 'b2', '_c', 'Level', 't1', '%IX0.0', 'colour#green', 'größe', 'Zähler#Ω_1'])
 LITERALS = st.sampled_from(
     ['1', '16#FF', '1.5', 'T#1s', "'x$'y'", 'TRUE', 'INT#5', 'REAL#1.0E3']
 ).map(lambda text: LiteralExpression(text=text))
