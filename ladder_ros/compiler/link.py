@@ -36,7 +36,11 @@ from ladder_ros.executable import ComponentEntry, Slot
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.program import Composite, Program
 from ladder_ros.model.types import DataType
+from ladder_ros.nouns import maker
 
+_instruction = maker(Instruction)
+_network = maker(Network)
+_ref = maker(Ref)
 Code = Mapping[str, Sequence[Network]]
 """The networks of each POU, by its key."""
 
@@ -113,7 +117,7 @@ def _enter(
         chain = ' -> '.join((*outer, composite.name))
         raise LadderError.of('L0207', composite.location, name=composite.name, chain=chain)
     bindings: dict[str, Operand] = {
-        name.casefold(): Ref(path=name, type=DataType.BOOL) for name in composite.externals}
+        name.casefold(): _ref(path=name, type=DataType.BOOL) for name in composite.externals}
     bindings.update((name.casefold(), operand) for name, operand in call.inputs)
     return _Frame(
         name=call.instance, key=pou_key(composite), prefix=f'{call.instance}.',
@@ -137,7 +141,7 @@ def _place(network: Network, frame: _Frame) -> Network:
         if belongs_to_body(old.path) and not frame.prefix:
             # Bodies share the program's names, but not what the compiler adds for their rungs.
             kind, _, rest = old.path.partition('.')
-            return Ref(path=f'{kind}.{frame.name}.{rest}', type=old.type)
+            return _ref(path=f'{kind}.{frame.name}.{rest}', type=old.type)
         return substitute(old, frame.prefix, frame.bindings)
 
     def ref(old: Ref) -> Ref:
@@ -158,17 +162,20 @@ def _place(network: Network, frame: _Frame) -> Network:
 
     def instance(old: str) -> str:
         """Name an instance; one that is passed in, or global, keeps its own path."""
-        new = operand(Ref(path=old, type=DataType.BOOL))
+        new = operand(_ref(path=old, type=DataType.BOOL))
         return new.path if isinstance(new, Ref) else frame.prefix + old
 
     def instruction(old: Instruction) -> Instruction:
         if old.memory is None and old.target is None and old.call is None and not old.label:
-            if old.operand is None and not old.component:
+            about, component = old.operand, old.component
+            if about is None and not component:
                 return old
-            return Instruction(
-                op=old.op, operand=operand(old.operand) if old.operand is not None else None,
-                component=start + old.component if old.component else '')
-        return Instruction(
+            if about is not None and not (
+                    is_plain and type(about) is Ref and about.path[:1] != '%'):
+                about = operand(about)
+            return _instruction(
+                op=old.op, operand=about, component=start + component if component else '')
+        return _instruction(
             op=old.op, operand=operand(old.operand) if old.operand is not None else None,
             memory=ref(old.memory) if old.memory is not None else None,
             target=target(old.target) if old.target is not None else None,
@@ -176,7 +183,9 @@ def _place(network: Network, frame: _Frame) -> Network:
             component=start + old.component if old.component else '')
 
     start = f'{frame.path}/{network.rung}/'
-    return replace(network, code=tuple([instruction(old) for old in network.code]))
+    return _network(
+        rung=network.rung, code=tuple([instruction(old) for old in network.code]),
+        comment=network.comment, labels=network.labels)
 
 
 def list_components(

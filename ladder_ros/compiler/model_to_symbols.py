@@ -25,10 +25,7 @@ from ladder_ros.compiler.symbols import (
 from ladder_ros.compiler.unchanged import same_rungs
 from ladder_ros.diagnostics import Diagnostic, Location, problem
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
-from ladder_ros.model.component import (
-    Block,
-    Instance,
-)
+from ladder_ros.model.component import Block, Component, Instance
 from ladder_ros.model.program import (
     Composite,
     Direction,
@@ -39,7 +36,9 @@ from ladder_ros.model.program import (
     Variable,
     VariableClass,
 )
+from ladder_ros.nouns import maker
 
+_symbol = maker(Symbol)
 NAME = re.compile(r'[A-Za-z_][A-Za-z0-9_]*$')
 IDENTIFIER = re.compile(r'[A-Za-z0-9_]+$')
 
@@ -64,6 +63,8 @@ class _Resolver:
     before: tuple[Program, Symbols] | None = None
     found: list[Diagnostic] = field(default_factory=list)
     noted: set[int] = field(default_factory=set)
+    identifiers: dict[str, str] = field(default_factory=dict)
+    """Ids of components that may be ones, casefolded; rungs have the same ones."""
     resolved: dict[tuple[str, str], Mapping[str, Resolved]] = field(default_factory=dict)
     composites: dict[str, Composite] = field(default_factory=dict)
 
@@ -123,6 +124,16 @@ class _Resolver:
             ids=(id(composite), *(id(definition) for definition in inner.values())),
             composite=composite, inner=inner))
 
+    def _by_id(self, rung: Rung) -> list[tuple[str, Component]]:
+        """Return the components of a rung, each with its casefolded id."""
+        known = self.identifiers
+        found = [(known.get(c.id, ''), c) for c in rung.components]
+        if len(dict(found)) < len(found) or not all(identifier for identifier, _ in found):
+            self._unique(((c.id, c.location) for c in rung.components), pattern=IDENTIFIER)
+            found = [(c.id.casefold(), c) for c in rung.components]
+            known.update((c.id, identifier) for identifier, c in found if IDENTIFIER.match(c.id))
+        return found
+
     def _unique(
         self, names: Iterable[tuple[str, Location]], taken: dict[str, Location] | None = None,
         pattern: re.Pattern[str] = NAME,
@@ -178,13 +189,13 @@ class _Resolver:
             fixed = 'it is a constant'
         elif variable.variable_class is VariableClass.INPUT and not self.imported:
             fixed = 'it is an input; copy it to a local variable if the program must change it'
-        return Symbol(name=variable.name, type=variable.type, why_fixed=fixed)
+        return _symbol(name=variable.name, type=variable.type, why_fixed=fixed)
 
     def _parameter(self, parameter: Parameter) -> Symbol:
         fixed = ''
         if parameter.direction is Direction.INPUT and not self.imported:
             fixed = 'it is an input parameter; make it inout if the composite must write it'
-        return Symbol(
+        return _symbol(
             name=parameter.name, type=parameter.type, is_parameter=True, why_fixed=fixed)
 
     def _composite_scope(self, composite: Composite) -> Scope:
@@ -278,18 +289,17 @@ class _Resolver:
                 self.resolved[place] = self.before[1].resolved[place]
                 continue
             before = len(self.found)
-            self._unique(((c.id, c.location) for c in rung.components), pattern=IDENTIFIER)
+            components = self._by_id(rung)
             if rung.wires is not None:
                 continue
-            by_id = {c.id.casefold(): c for c in rung.components}
             in_rung = RungResolver(
-                report=self.report, scope=scope, rung=rung, by_id=by_id,
+                report=self.report, scope=scope, rung=rung, by_id=dict(components),
                 composites=self.composites, contacts=contacts, refs=refs)
             found: dict[str, Resolved] = {}
-            for component in rung.components:
+            for identifier, component in components:
                 resolved = in_rung.resolve(component)
                 if resolved is not None:
-                    found[component.id.casefold()] = resolved
+                    found[identifier] = resolved
             self.resolved[key, rung.id.casefold()] = found
             if len(self.found) > before:
                 self.noted.add(id(rung))

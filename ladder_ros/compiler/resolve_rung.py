@@ -25,6 +25,7 @@ from ladder_ros.model.component import (
 from ladder_ros.model.derived import elementary
 from ladder_ros.model.program import Composite, Direction, Parameter, Rung
 from ladder_ros.model.types import DataType, INTEGER_RANGE, parse_literal
+from ladder_ros.nouns import maker
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
@@ -36,6 +37,8 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 
 Report = Callable[..., None]
 
+_ref = maker(Ref)
+_resolved = maker(Resolved)
 _NOTHING = Resolved()
 
 
@@ -56,19 +59,19 @@ class RungResolver:
 
     def resolve(self, component: Component) -> Resolved | None:
         """Return what the component refers to, or None after reporting why that is impossible."""
-        if isinstance(component, (Row, Column)):
-            return _NOTHING
         if isinstance(component, Contact):
             resolved = self.contacts.get(component.operand)
             if resolved is None:
                 operand = self.operand(component.operand, component.location, DataType.BOOL)
                 if operand is None:
                     return None
-                resolved = self.contacts[component.operand] = Resolved(operand=operand)
+                resolved = self.contacts[component.operand] = _resolved(operand=operand)
             return resolved
+        if isinstance(component, (Row, Column)):
+            return _NOTHING
         if isinstance(component, Coil):
             target = self.target(component.operand, component.location, DataType.BOOL)
-            return Resolved(operand=target) if target is not None else None
+            return _resolved(operand=target) if target is not None else None
         if isinstance(component, Block):
             return self._block(component)
         if isinstance(component, Instance):
@@ -111,14 +114,14 @@ class RungResolver:
         symbol = self.scope.symbols.get(text.casefold())
         type_ = elementary(symbol.type) if symbol is not None else None
         if symbol is not None and type_ is not None:
-            return Ref(path=symbol.name, type=type_)
+            return _ref(path=symbol.name, type=type_)
         instance, _, pin_name = text.partition('.')
         block = self.scope.blocks.get(instance.casefold())
         if block is not None and pin_name:
             spelled, kind = block
             pin = kind.output(pin_name)
             if pin is not None and isinstance(pin.type, DataType):
-                return Ref(path=f'{spelled}.{pin.name}', type=pin.type)
+                return _ref(path=f'{spelled}.{pin.name}', type=pin.type)
             self.report('L0209', location, owner=f'{spelled} ({kind.name})', pin=pin_name,
                         known=', '.join(p.name for p in kind.outputs))
             return None
@@ -158,7 +161,7 @@ class RungResolver:
         component, kind, pin = found
         if not kind.is_function:
             assert isinstance(pin.type, DataType)
-            return Ref(path=f'{component.instance}.{pin.name}', type=pin.type), component.id
+            return _ref(path=f'{component.instance}.{pin.name}', type=pin.type), component.id
         type_ = pin.type if isinstance(pin.type, DataType) else self._function_type(component)
         if type_ is None:
             return None
@@ -250,7 +253,7 @@ class RungResolver:
         outputs = self._outputs(block, kind, generic)
         if inputs is None or outputs is None:
             return None
-        return Resolved(inputs=inputs, outputs=outputs, type=generic, sources=sources,
+        return _resolved(inputs=inputs, outputs=outputs, type=generic, sources=sources,
                         block=kind.name)
 
     def _at_time(self, block: Block, kind: BlockKind) -> BlockKind:
@@ -424,7 +427,7 @@ class RungResolver:
                 bound[parameter.name] = _default(parameter)
         if not fine:
             return None
-        return Resolved(inputs=tuple(bound.items()), sources=tuple(sources))
+        return _resolved(inputs=tuple(bound.items()), sources=tuple(sources))
 
     def _bind(
         self, argument: Argument, parameter: Parameter, sources: list[str],

@@ -7,25 +7,12 @@ Form only: names are legal here, whether they mean something is the compiler's t
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 import os
 
-from ladder_ros.diagnostics import LadderError, Location, problem
+from ladder_ros.diagnostics import LadderError, problem
 from ladder_ros.model.component import (
-    Argument,
-    Block,
-    Coil,
-    CoilKind,
-    Column,
-    Component,
-    Contact,
-    ContactKind,
     Instance,
-    Placement,
-    Row,
-    Side,
 )
 from ladder_ros.model.derived import elementary, Initial
 from ladder_ros.model.program import (
@@ -44,10 +31,12 @@ from ladder_ros.model.program import (
 )
 from ladder_ros.model.st import Statement
 from ladder_ros.model.types import DataType, default_value
+from ladder_ros.nouns import maker
 from ladder_ros.source import grammar
 from ladder_ros.source.grammar import RULES
 from ladder_ros.source.xml_drawing import DrawingReader
 from ladder_ros.source.xml_form import Form, shown
+from ladder_ros.source.xml_rungs import RungReader
 from ladder_ros.source.xml_tree import (
     Element,
     Findings,
@@ -81,6 +70,8 @@ def parse_program(text: bytes, file: str = '') -> Program:
     return program
 
 
+_parameter = maker(Parameter)
+_variable = maker(Variable)
 _DRAWN_HERE = (CallKind.INLINE, CallKind.ENABLED)
 """How composites drawn in rungs are called; the other kinds are those of other editors."""
 
@@ -91,13 +82,10 @@ class _Reader:
     def __init__(self, file: str, findings: Findings) -> None:
         self.form = Form(file, findings)
         self.types = TypeReader(self.form, frozenset())
+        self.drawn = RungReader(self.form)
         self.foreign = DrawingReader(self.form)
-        self.uses: list[tuple[Element, Location, bool]] = []
-        """Uses of composites, and whether they stand in a drawing with wires."""
         self.blocks: list[tuple[str, str]] = []
         """Instances of function blocks that the section being read declares."""
-        self.placements: dict[tuple[object, ...], Placement] = {}
-        """Good placements, each once: many components stand in the same place of their rungs."""
 
     # -- the program ------------------------------------------------------------------------
 
@@ -174,7 +162,7 @@ class _Reader:
         return Use(library=attributes.get('library', ''), sha256=attributes.get('sha256', ''),
                    location=self.form.here(element))
 
-    def section(self, element: Element) -> Iterator[Element]:
+    def section(self, element: Element) -> Iterable[Element]:
         rule = RULES[element.tag]
         self.form.check(element, rule)
         return self.form.children(element, rule)
@@ -200,7 +188,7 @@ class _Reader:
         if address and (len(address) > grammar.MAX_NAME
                         or not grammar.ADDRESS.fullmatch(address)):
             self.form.bad_value(element, 'at', 'write an address such as %IX0.0, %QX1.7 or %MW10')
-        return Variable(
+        return _variable(
             name=self.form.name(element, 'name'), type=type_ or DataType.BOOL,
             variable_class=self.form.word(element, 'class', VariableClass.LOCAL), initial=initial,
             retain=self.form.flag(element, 'retain'), address=address,
@@ -220,7 +208,7 @@ class _Reader:
                 element, 'default', 'only a parameter of direction="input" has one')
         elif type_ is not None and (element.children or 'default' in element.attributes):
             default = self.types.initial(element, rule, type_, 'default')
-        return Parameter(
+        return _parameter(
             name=self.form.name(element, 'name'), type=type_ or DataType.BOOL,
             direction=direction, default=default, comment=element.attributes.get('comment', ''),
             location=self.form.here(element))
@@ -327,14 +315,12 @@ class _Reader:
                 statements = self.foreign.statements(element)
             elif element.tag == 'drawing':
                 rungs.append(self.foreign.drawing(element))
-                self.uses += [
-                    (child, component.location, True)
-                    for child, component in zip(
-                        (c for c in element.children if c.tag == 'instance'),
-                        (c for c in rungs[-1].components if isinstance(c, Instance)),
-                        strict=True)]
+                self.drawn.uses += [
+                    (component.composite, component.location, True)
+                    for component in rungs[-1].components if isinstance(component, Instance)]
             else:
-                rungs.append(self.rung(element) if element.tag == 'rung' else self.alone(element))
+                rungs.append(self.drawn.rung(element) if element.tag == 'rung'
+                             else self.drawn.alone(element))
         return tuple(rungs), statements
 
     def misplaced(self, element: Element, where: str, expected: str) -> None:
@@ -343,177 +329,14 @@ class _Reader:
     def check_uses(self, composites: Sequence[Composite]) -> None:
         """Check that rungs use composites of ours, and drawings those of other editors."""
         calls = {composite.name.casefold(): composite.call for composite in composites}
-        for instance, place, is_drawing in self.uses:
-            call = calls.get(instance.attributes.get('composite', '').strip().casefold())
+        for name, place, is_drawing in self.drawn.uses:
+            call = calls.get(name.casefold())
             if call is not None and is_drawing == (call in _DRAWN_HERE):
                 self.form.findings.add(problem(
                     'L0116', place, element='instance',
                     where='a drawing' if is_drawing else 'a rung',
                     expected=f'its composite has call="{call.value}", which is for '
                     f'{"rungs" if is_drawing else "drawings and texts"}'))
-
-    # -- drawings ---------------------------------------------------------------------------
-
-    def rung(self, element: Element) -> Rung:
-        self.form.count(element, 'rungs', grammar.MAX_RUNGS)
-        rule = RULES['rung']
-        self.form.rung_id = shown(element.attributes.get('id', ''))
-        self.form.check(element, rule)
-        identifier, place = self.form.identifier(element), self.form.here(element)
-        width = self.form.size(element, 'width')
-        components = tuple(self.component(child) for child in self.form.children(element, rule))
-        self.form.rung_id = ''
-        return Rung(
-            id=identifier, width=width, components=components,
-            comment=element.attributes.get('comment', ''), location=place)
-
-    def alone(self, element: Element) -> Rung:
-        """Return the rung that an instance fills: it stands for both."""
-        self.form.count(element, 'rungs', grammar.MAX_RUNGS)
-        self.form.count(element, 'components', grammar.MAX_COMPONENTS)
-        rule = RULES['body/instance']
-        self.form.rung_id = shown(element.attributes.get('rung', ''))
-        self.form.check(element, rule)
-        identifier, place = self.form.identifier(element, 'rung'), self.form.here(element)
-        self.form.cell = (0, 0)
-        placement = self.placement(element)
-        instance = self.instance(
-            element, grammar.INSTANCE_ALONE, placement,
-            [self.argument(child) for child in self.form.children(element, rule)])
-        self.form.cell = None
-        self.form.rung_id = ''
-        return Rung(
-            id=identifier, width=placement.width, components=(instance,),
-            comment=element.attributes.get('comment', ''), location=place)
-
-    def component(self, element: Element) -> Component:
-        self.form.count(element, 'components', grammar.MAX_COMPONENTS)
-        try:
-            return self.placed(element)
-        finally:
-            self.form.cell = None
-
-    def placement(self, element: Element) -> Placement:
-        get = element.attributes.get
-        x, y = get('x'), get('y')
-        key = (element.tag == 'column', x, y, get('width'), get('height'), get('up'), get('down'))
-        place = self.placements.get(key)
-        if place is None:
-            before = len(self.form.findings.diagnostics)
-            place = self.new_placement(element)
-            if len(self.form.findings.diagnostics) == before and not (x is None or y is None):
-                self.placements[key] = place
-        else:
-            self.form.cell = (place.x, place.y)
-        self.form.count(element, 'cells', grammar.MAX_CELLS, place.width * place.height)
-        return place
-
-    def new_placement(self, element: Element) -> Placement:
-        attributes = element.attributes
-        x, y = attributes.get('x', ''), attributes.get('y', '')
-        if grammar.NUMBER.fullmatch(x) and grammar.NUMBER.fullmatch(y):
-            self.form.cell = (int(x), int(y))
-        # A vertical line stands on a grid line and covers no cell.
-        width = 0 if element.tag == 'column' else self.form.size(element, 'width')
-        height = self.form.size(element, 'height')
-        return Placement(
-            x=self.form.number(element, 'x'), y=self.form.number(element, 'y'),
-            width=width, height=height, up=self.form.word(element, 'up', Side.NONE),
-            down=self.form.word(element, 'down', Side.NONE))
-
-    def placed(self, element: Element) -> Component:
-        rule = RULES[element.tag]
-        placement = self.placement(element)
-        self.form.check(element, rule)
-        identifier, place = self.form.identifier(element), self.form.here(element)
-        name = element.attributes.get('name', '')
-        comment = element.attributes.get('comment', '')
-        specification = ''
-        inner: dict[str, list[Argument]] = defaultdict(list)
-        for child in self.form.children(element, rule) if element.children else ():
-            if child.tag == 'specification':
-                specification = self.form.specification(child)
-            else:
-                inner[child.tag].append(self.argument(child))
-        match element.tag:
-            case 'contact':
-                return Contact(
-                    id=identifier, placement=placement, operand=self.form.operand(element),
-                    kind=self.form.word(element, 'kind', ContactKind.NORMALLY_OPEN),
-                    was=self.form.was(element), name=name, comment=comment,
-                    specification=specification, location=place)
-            case 'coil':
-                return Coil(
-                    id=identifier, placement=placement, operand=self.form.operand(element),
-                    kind=self.form.word(element, 'kind', CoilKind.COIL),
-                    was=self.form.was(element), name=name, comment=comment,
-                    specification=specification, location=place)
-            case 'row':
-                return Row(
-                    id=identifier, placement=placement, name=name, comment=comment,
-                    specification=specification, location=place)
-            case 'column':
-                return Column(
-                    id=identifier, placement=placement, name=name, comment=comment,
-                    specification=specification, location=place)
-            case 'block':
-                return Block(
-                    id=identifier, placement=placement, type=self.form.operand(element, 'type'),
-                    instance=self.form.optional_name(element, 'instance'),
-                    inputs=tuple(inner['input']), outputs=tuple(inner['output']),
-                    was=self.form.was(element), name=name, comment=comment,
-                    specification=specification, location=place)
-            case _:
-                return replace(
-                    self.instance(element, identifier, placement, inner['argument']),
-                    name=name, comment=comment, specification=specification)
-
-    def instance(
-        self, element: Element, identifier: str, placement: Placement,
-        arguments: Iterable[Argument],
-    ) -> Instance:
-        """Return a composite in use."""
-        place = self.form.here(element)
-        self.uses.append((element, place, False))
-        return Instance(
-            id=identifier, placement=placement,
-            composite=self.form.operand(element, 'composite'),
-            instance=self.form.name(element, 'instance'),
-            arguments=(*self.bound(element), *arguments), was=self.form.was(element),
-            location=place)
-
-    def bound(self, element: Element) -> tuple[Argument, ...]:
-        """Return the arguments that an instance gives in short."""
-        value = element.attributes.get('bind')
-        if value is None:
-            return ()
-        pairs = grammar.BINDING.findall(value)
-        # As we write it, which is seen faster than by the whole expression.
-        is_plain = ' '.join([f'{pin}={operand}' for pin, operand in pairs]) == value
-        if not is_plain and not grammar.BIND.fullmatch(value):
-            self.form.bad_value(
-                element, 'bind', 'write parameter=operand with blanks between them: '
-                                 'Floor=served_1 Delay=T#2s; for text in quotes write <argument>s')
-            return ()
-        place = self.form.here(element)
-        return tuple([Argument(pin=pin, operand=operand, location=place)
-                      for pin, operand in pairs])
-
-    def argument(self, element: Element) -> Argument:
-        rule = RULES[element.tag]
-        self.form.check(element, rule)
-        pin = self.form.operand(element, 'parameter' if element.tag == 'argument' else 'pin')
-        attributes = element.attributes
-        given = [key for key in ('operand', 'source', 'row') if key in attributes]
-        if len(given) != 1:
-            may = [key for key in ('operand', 'source', 'row') if key in rule.allowed]
-            self.form.report('L0218', element, f'it has {" and ".join(given) or "none"}', pin=pin,
-                        help=f'give it one of {", ".join(may)}')
-        return Argument(
-            pin=pin, operand=self.form.operand(element),
-            source=self.form.operand(element, 'source'),
-            row=self.form.number(element, 'row') if 'row' in attributes else None,
-            location=self.form.here(element))
 
 
 def _composite_names(element: Element) -> Iterator[str]:

@@ -1,0 +1,250 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Rungs of program files, and the components in them."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from ladder_ros.diagnostics import Location
+from ladder_ros.model.component import (
+    Argument,
+    Block,
+    Coil,
+    CoilKind,
+    Column,
+    Component,
+    Contact,
+    ContactKind,
+    Instance,
+    Placement,
+    Row,
+    Side,
+)
+from ladder_ros.model.program import Rung
+from ladder_ros.nouns import maker
+from ladder_ros.source import grammar
+from ladder_ros.source.grammar import RULES
+from ladder_ros.source.xml_form import Form, shown
+from ladder_ros.source.xml_tree import Element
+
+_argument = maker(Argument)
+_coil = maker(Coil)
+_contact = maker(Contact)
+_instance = maker(Instance)
+_rung = maker(Rung)
+
+
+_LOOK = frozenset(('id', 'operand', 'x', 'y', 'width', 'height', 'up', 'down', 'kind'))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Look:
+    """What contacts or coils may have in common; ``make`` makes one of them."""
+
+    make: Callable[..., Contact | Coil]
+    placement: Placement
+    kind: ContactKind | CoilKind
+    cell: tuple[int, int] | None
+
+
+class RungReader:
+    """Reads rungs; ``uses`` are the uses of composites: name, place, whether in a drawing."""
+
+    def __init__(self, form: Form) -> None:
+        """Begin a file."""
+        self._form = form
+        self.uses: list[tuple[str, Location, bool]] = []
+        self._placements: dict[tuple[object, ...], Placement] = {}
+        """Good placements, each once: many components stand in the same place of their rungs."""
+        self._looks: dict[tuple[object, ...], _Look] = {}
+        """Good contacts and coils but for their ids and operands, each once."""
+
+    def rung(self, element: Element) -> Rung:
+        """Return a rung."""
+        self._form.count(element, 'rungs', grammar.MAX_RUNGS)
+        rule = RULES['rung']
+        self._form.rung_id = shown(element.attributes.get('id', ''))
+        self._form.check(element, rule)
+        identifier, place = self._form.identifier(element), self._form.here(element)
+        width = self._form.size(element, 'width')
+        children = self._form.children(element, rule)
+        self._form.count(element, 'components', grammar.MAX_COMPONENTS, len(element.children))
+        components = tuple([self._component(child) for child in children])
+        self._form.cell = None
+        self._count_cells(element, components)
+        self._form.rung_id = ''
+        return _rung(
+            id=identifier, width=width, components=components,
+            comment=element.attributes.get('comment', ''), location=place)
+
+    def _count_cells(self, element: Element, components: Sequence[Component]) -> None:
+        self._form.count(element, 'cells', grammar.MAX_CELLS, sum(
+            [component.placement.width * component.placement.height for component in components]))
+
+    def alone(self, element: Element) -> Rung:
+        """Return the rung that an instance fills: it stands for both."""
+        self._form.count(element, 'rungs', grammar.MAX_RUNGS)
+        self._form.count(element, 'components', grammar.MAX_COMPONENTS)
+        rule = RULES['body/instance']
+        self._form.rung_id = shown(element.attributes.get('rung', ''))
+        self._form.check(element, rule)
+        identifier, place = self._form.identifier(element, 'rung'), self._form.here(element)
+        self._form.cell = (0, 0)
+        placement = self._placement(element)
+        instance = self._instance(
+            element, grammar.INSTANCE_ALONE, placement,
+            [self._argument(child) for child in self._form.children(element, rule)])
+        self._count_cells(element, (instance,))
+        self._form.cell = None
+        self._form.rung_id = ''
+        return _rung(
+            id=identifier, width=placement.width, components=(instance,),
+            comment=element.attributes.get('comment', ''), location=place)
+
+    def _component(self, element: Element) -> Component:
+        attributes = element.attributes
+        get = attributes.get
+        key = (element.tag, get('x'), get('y'), get('width'), get('height'), get('up'),
+               get('down'), get('kind'), len(attributes))
+        look = self._looks.get(key)
+        if look is not None and not element.children and element.text_line is None:
+            identifier = self._form.identifiers.get(get('id', ''))
+            operand = self._form.operands.get(get('operand', ''))
+            if identifier is not None and operand is not None:
+                self._form.cell = look.cell
+                return look.make(
+                    id=identifier, placement=look.placement, operand=operand, kind=look.kind,
+                    location=self._form.here(element))
+        self._form.cell = None
+        found = len(self._form.findings.diagnostics)
+        component = self._placed(element)
+        if isinstance(component, (Contact, Coil)) and attributes.keys() <= _LOOK and (
+                found == len(self._form.findings.diagnostics)):
+            self._looks[key] = _Look(
+                make=_contact if isinstance(component, Contact) else _coil,
+                placement=component.placement, kind=component.kind, cell=self._form.cell)
+        return component
+
+    def _placement(self, element: Element) -> Placement:
+        get = element.attributes.get
+        x, y = get('x'), get('y')
+        key = (element.tag == 'column', x, y, get('width'), get('height'), get('up'), get('down'))
+        place = self._placements.get(key)
+        if place is None:
+            before = len(self._form.findings.diagnostics)
+            place = self._new_placement(element)
+            if len(self._form.findings.diagnostics) == before and not (x is None or y is None):
+                self._placements[key] = place
+        else:
+            self._form.cell = (place.x, place.y)
+        return place
+
+    def _new_placement(self, element: Element) -> Placement:
+        attributes = element.attributes
+        x, y = attributes.get('x', ''), attributes.get('y', '')
+        if grammar.NUMBER.fullmatch(x) and grammar.NUMBER.fullmatch(y):
+            self._form.cell = (int(x), int(y))
+        # A vertical line stands on a grid line and covers no cell.
+        width = 0 if element.tag == 'column' else self._form.size(element, 'width')
+        height = self._form.size(element, 'height')
+        return Placement(
+            x=self._form.number(element, 'x'), y=self._form.number(element, 'y'),
+            width=width, height=height, up=self._form.word(element, 'up', Side.NONE),
+            down=self._form.word(element, 'down', Side.NONE))
+
+    def _placed(self, element: Element) -> Component:
+        rule = RULES[element.tag]
+        placement = self._placement(element)
+        self._form.check(element, rule)
+        identifier, place = self._form.identifier(element), self._form.here(element)
+        name = element.attributes.get('name', '')
+        comment = element.attributes.get('comment', '')
+        specification = ''
+        inner: dict[str, list[Argument]] = defaultdict(list)
+        for child in self._form.children(element, rule) if element.children else ():
+            if child.tag == 'specification':
+                specification = self._form.specification(child)
+            else:
+                inner[child.tag].append(self._argument(child))
+        match element.tag:
+            case 'contact':
+                return _contact(
+                    id=identifier, placement=placement, operand=self._form.operand(element),
+                    kind=self._form.word(element, 'kind', ContactKind.NORMALLY_OPEN),
+                    was=self._form.was(element), name=name, comment=comment,
+                    specification=specification, location=place)
+            case 'coil':
+                return _coil(
+                    id=identifier, placement=placement, operand=self._form.operand(element),
+                    kind=self._form.word(element, 'kind', CoilKind.COIL),
+                    was=self._form.was(element), name=name, comment=comment,
+                    specification=specification, location=place)
+            case 'row':
+                return Row(
+                    id=identifier, placement=placement, name=name, comment=comment,
+                    specification=specification, location=place)
+            case 'column':
+                return Column(
+                    id=identifier, placement=placement, name=name, comment=comment,
+                    specification=specification, location=place)
+            case 'block':
+                return Block(
+                    id=identifier, placement=placement, type=self._form.operand(element, 'type'),
+                    instance=self._form.optional_name(element, 'instance'),
+                    inputs=tuple(inner['input']), outputs=tuple(inner['output']),
+                    was=self._form.was(element), name=name, comment=comment,
+                    specification=specification, location=place)
+            case _:
+                instance = self._instance(element, identifier, placement, inner['argument'])
+                return instance if not (name or comment or specification) else replace(
+                    instance, name=name, comment=comment, specification=specification)
+
+    def _instance(
+        self, element: Element, identifier: str, placement: Placement,
+        arguments: Iterable[Argument],
+    ) -> Instance:
+        """Return a composite in use."""
+        place = self._form.here(element)
+        composite = self._form.operand(element, 'composite')
+        self.uses.append((composite, place, False))
+        return _instance(
+            id=identifier, placement=placement, composite=composite,
+            instance=self._form.name(element, 'instance'),
+            arguments=(*self._bound(element), *arguments), was=self._form.was(element),
+            location=place)
+
+    def _bound(self, element: Element) -> tuple[Argument, ...]:
+        """Return the arguments that an instance gives in short."""
+        value = element.attributes.get('bind')
+        if value is None:
+            return ()
+        pairs = grammar.BINDING.findall(value)
+        # As we write it, which is seen faster than by the whole expression.
+        is_plain = ' '.join([f'{pin}={operand}' for pin, operand in pairs]) == value
+        if not is_plain and not grammar.BIND.fullmatch(value):
+            self._form.bad_value(
+                element, 'bind', 'write parameter=operand with blanks between them: '
+                                 'Floor=served_1 Delay=T#2s; for text in quotes write <argument>s')
+            return ()
+        place = self._form.here(element)
+        return tuple([_argument(pin=pin, operand=operand, location=place)
+                      for pin, operand in pairs])
+
+    def _argument(self, element: Element) -> Argument:
+        rule = RULES[element.tag]
+        self._form.check(element, rule)
+        pin = self._form.operand(element, 'parameter' if element.tag == 'argument' else 'pin')
+        attributes = element.attributes
+        given = [key for key in ('operand', 'source', 'row') if key in attributes]
+        if len(given) != 1:
+            may = [key for key in ('operand', 'source', 'row') if key in rule.allowed]
+            self._form.report('L0218', element, f'it has {" and ".join(given) or "none"}', pin=pin,
+                        help=f'give it one of {", ".join(may)}')
+        return _argument(
+            pin=pin, operand=self._form.operand(element),
+            source=self._form.operand(element, 'source'),
+            row=self._form.number(element, 'row') if 'row' in attributes else None,
+            location=self._form.here(element))
