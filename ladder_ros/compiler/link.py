@@ -34,7 +34,8 @@ from ladder_ros.compiler.wiring import describe
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import ComponentEntry, Slot
 from ladder_ros.model.catalogue import CATALOGUE
-from ladder_ros.model.program import Composite, Program
+from ladder_ros.model.component import Component, Instance
+from ladder_ros.model.program import Composite, Pou, Program
 from ladder_ros.model.types import DataType
 from ladder_ros.nouns import maker
 
@@ -188,14 +189,43 @@ def _place(network: Network, frame: _Frame) -> Network:
         comment=network.comment, labels=network.labels)
 
 
+class _Drawn:
+    """The components of a program by their paths.
+
+    Those in rungs are the program's: a graph that was taken over from an earlier program has
+    components of that one, which stood in other lines of the file.
+    """
+
+    def __init__(self, program: Program, graphs: Mapping[str, Sequence[Aov]]) -> None:
+        pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
+        self._rungs = {(pou_key(pou), rung.id): rung
+                       for pou in pous for rung in pou.rungs if rung.wires is None}
+        self._known: dict[tuple[str, str], Mapping[str, Component]] = {
+            (key, aov.rung): {symbol.path: symbol.component for symbol in aov.symbols}
+            for key, aovs in graphs.items() for aov in aovs
+            if (key, aov.rung) not in self._rungs}
+
+    def component(self, pou: str, rung: str, path: str) -> Component:
+        """Return a component; a path has the instances of inline composites that it is in."""
+        place = pou, rung
+        known = self._known.get(place)
+        if known is None:
+            known = self._known[place] = {c.id: c for c in self._rungs[place].components}
+        component = known.get(path)
+        if component is not None:
+            return component
+        instance, inner, rest = path.split('/', 2)
+        outer = known[instance]
+        assert isinstance(outer, Instance)
+        return self.component(f'composite {outer.composite.casefold()}', inner, rest)
+
+
 def list_components(
     program: Program, code: InstructionList, graphs: Mapping[str, Sequence[Aov]],
     slots: Mapping[str, Slot],
 ) -> tuple[ComponentEntry, ...]:
     """Return every component instance that does something, in the order of the code."""
-    parts = {
-        (key, aov.rung): {symbol.path: symbol.component for symbol in aov.symbols}
-        for key, aovs in graphs.items() for aov in aovs}
+    drawn = _Drawn(program, graphs)
     key_of = {(True, body.name): pou_key(body) for body in program.bodies}
     start_of = {(True, body.name): f'{body.name}/' for body in program.bodies}
     entries: list[ComponentEntry] = []
@@ -203,7 +233,6 @@ def list_components(
         routine_id = (routine.is_body, routine.name)
         key, start = key_of[routine_id], start_of[routine_id]
         for network in routine.networks:
-            known = parts.get((key, network.rung), {})
             above = len(start) + len(network.rung) + 1
             for instruction in network.code:
                 if instruction.op in (Op.EXE, Op.RUN) and instruction.call is not None:
@@ -212,7 +241,7 @@ def list_components(
                     start_of[inner] = f'{instruction.component or instruction.call.instance}/'
                 if not instruction.component:
                     continue
-                component = known[instruction.component[above:]]
+                component = drawn.component(key, network.rung, instruction.component[above:])
                 entries.append(ComponentEntry(
                     index=len(entries), path=instruction.component, kind=describe(component),
                     location=component.location, slots=tuple(_slots_of(instruction, slots))))

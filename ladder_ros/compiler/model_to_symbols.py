@@ -22,7 +22,7 @@ from ladder_ros.compiler.symbols import (
     Symbol,
     Symbols,
 )
-from ladder_ros.compiler.unchanged import same_rungs
+from ladder_ros.compiler.unchanged import Before, same_rungs
 from ladder_ros.diagnostics import Diagnostic, Location, problem
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.component import Block, Component, Instance
@@ -47,11 +47,11 @@ _DEFINITIONS = 256
 
 
 def resolve_symbols(
-    program: Program, before: tuple[Program, Symbols] | None = None,
+    program: Program, before: Before | None = None,
 ) -> tuple[Symbols, tuple[Diagnostic, ...]]:
     """Return the program's symbols and everything that is wrong with its names and types.
 
-    ``before`` is an earlier program and its symbols: what they say of rungs is taken over.
+    What the symbols ``before`` say of rungs is taken over.
     """
     resolver = _Resolver(program=program, before=before)
     return resolver.run(), tuple(resolver.found)
@@ -60,7 +60,7 @@ def resolve_symbols(
 @dataclass(slots=True, kw_only=True)
 class _Resolver:
     program: Program
-    before: tuple[Program, Symbols] | None = None
+    before: Before | None = None
     found: list[Diagnostic] = field(default_factory=list)
     noted: set[int] = field(default_factory=set)
     identifiers: dict[str, str] = field(default_factory=dict)
@@ -105,7 +105,7 @@ class _Resolver:
         for body in program.bodies:
             scopes[f'body {body.name.casefold()}'] = replace(shared, pou=body.name)
         pous: list[Pou] = [*program.composites, *program.bodies]
-        same = {} if self.before is None else same_rungs(*self.before, program, scopes)
+        same = {} if self.before is None else same_rungs(self.before, program, scopes)
         for pou in pous:
             if id(pou) in known:
                 self.resolved.update(known[id(pou)].resolved)
@@ -286,7 +286,7 @@ class _Resolver:
             if id(rung) in same:
                 assert self.before is not None
                 place = key, rung.id.casefold()
-                self.resolved[place] = self.before[1].resolved[place]
+                self.resolved[place] = self.before.symbols.resolved[place]
                 continue
             before = len(self.found)
             components = self._by_id(rung)

@@ -34,6 +34,7 @@ _argument = maker(Argument)
 _coil = maker(Coil)
 _contact = maker(Contact)
 _instance = maker(Instance)
+_location = maker(Location)
 _rung = maker(Rung)
 
 
@@ -51,11 +52,19 @@ class _Look:
 
 
 class RungReader:
-    """Reads rungs; ``uses`` are the uses of composites: name, place, whether in a drawing."""
+    """Reads rungs.
 
-    def __init__(self, form: Form) -> None:
-        """Begin a file."""
+    ``uses`` are composites' names, each with its place and whether in a drawing.  ``read`` are the
+    rungs that were drawn, in their order; those that were taken over from an earlier reading and
+    stand elsewhere now are also in ``moved``: the earlier ones, by ``id``.
+    """
+
+    def __init__(self, form: Form, known: Iterable[Sequence[Rung]] = ()) -> None:
+        """Begin a file; ``known`` are the earlier rungs that each drawn one can be, if any."""
         self._form = form
+        self._known = iter(known)
+        self.read: list[Rung] = []
+        self.moved: dict[int, Rung] = {}
         self.uses: list[tuple[str, Location, bool]] = []
         self._placements: dict[tuple[object, ...], Placement] = {}
         """Good placements, each once: many components stand in the same place of their rungs."""
@@ -65,6 +74,28 @@ class RungReader:
     def rung(self, element: Element) -> Rung:
         """Return a rung."""
         self._form.count(element, 'rungs', grammar.MAX_RUNGS)
+        known = next(self._known, ())
+        rung = self._taken_over(element, known) if known else self._drawn(element)
+        self.read.append(rung)
+        return rung
+
+    def _taken_over(self, element: Element, known: Sequence[Rung]) -> Rung:
+        """Return a rung of an earlier reading, at the place where it is now."""
+        file, pou = self._form.file, self._form.pou
+        rung = next((rung for rung in known if rung.location.pou == pou), known[0])
+        self._form.count(element, 'components', grammar.MAX_COMPONENTS, len(rung.components))
+        self._count_cells(element, rung.components)
+        place = rung.location
+        by = element.line - (place.line or 0)
+        if by or place.pou != pou or place.file != file:
+            moved = _moved(rung, file, pou, by)
+            self.moved[id(moved)] = rung
+            rung = moved
+        self.uses += [(component.composite, component.location, False)
+                      for component in rung.components if isinstance(component, Instance)]
+        return rung
+
+    def _drawn(self, element: Element) -> Rung:
         rule = RULES['rung']
         self._form.rung_id = shown(element.attributes.get('id', ''))
         self._form.check(element, rule)
@@ -248,3 +279,32 @@ class RungReader:
             source=self._form.operand(element, 'source'),
             row=self._form.number(element, 'row') if 'row' in attributes else None,
             location=self._form.here(element))
+
+
+def _moved(rung: Rung, file: str, pou: str, by: int) -> Rung:
+    """Return a rung that was read as it is so many lines further down, in a file and POU."""
+
+    def place(old: Location) -> Location:
+        return _location(file=file, line=(old.line or 0) + by, pou=pou, rung=old.rung,
+                         cell=old.cell)
+
+    def arguments(old: tuple[Argument, ...]) -> tuple[Argument, ...]:
+        return tuple([replace(argument, location=place(argument.location)) for argument in old])
+
+    def moved(old: Component) -> Component:
+        if isinstance(old, Contact):
+            return _contact(
+                id=old.id, placement=old.placement, operand=old.operand, kind=old.kind,
+                was=old.was, name=old.name, comment=old.comment,
+                specification=old.specification, location=place(old.location))
+        if isinstance(old, Block):
+            return replace(old, inputs=arguments(old.inputs), outputs=arguments(old.outputs),
+                           location=place(old.location))
+        if isinstance(old, Instance):
+            return replace(
+                old, arguments=arguments(old.arguments), location=place(old.location))
+        return replace(old, location=place(old.location))
+
+    return _rung(
+        id=rung.id, width=rung.width, components=tuple([moved(c) for c in rung.components]),
+        comment=rung.comment, location=place(rung.location))

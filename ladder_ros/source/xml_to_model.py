@@ -62,7 +62,7 @@ def parse_program(text: bytes, file: str = '') -> Program:
     """
     findings = Findings()
     try:
-        program = _Reader(file, findings).program(parse_tree(text, file, findings))
+        program = ProgramReader(file, findings).program(parse_tree(text, file, findings))
     except TooManyProblemsError:
         raise LadderError(findings.diagnostics) from None
     if findings.diagnostics:
@@ -76,41 +76,45 @@ _DRAWN_HERE = (CallKind.INLINE, CallKind.ENABLED)
 """How composites drawn in rungs are called; the other kinds are those of other editors."""
 
 
-class _Reader:
+class ProgramReader:
     """Walks the elements and makes nouns of them."""
 
-    def __init__(self, file: str, findings: Findings) -> None:
-        self.form = Form(file, findings)
-        self.types = TypeReader(self.form, frozenset())
-        self.drawn = RungReader(self.form)
-        self.foreign = DrawingReader(self.form)
-        self.blocks: list[tuple[str, str]] = []
+    def __init__(
+        self, file: str, findings: Findings, known: Iterable[Sequence[Rung]] = (),
+    ) -> None:
+        """Begin a file; ``known`` as in :class:`RungReader`, which is ``drawn``."""
+        self._form = Form(file, findings)
+        self._types = TypeReader(self._form, frozenset())
+        self.drawn = RungReader(self._form, known)
+        self._foreign = DrawingReader(self._form)
+        self._blocks: list[tuple[str, str]] = []
         """Instances of function blocks that the section being read declares."""
 
     # -- the program ------------------------------------------------------------------------
 
     def program(self, element: Element) -> Program:
+        """Return the program whose root element this is."""
         if element.tag != 'ladder':
-            raise self.form.findings.stop(problem(
-                'L0102', self.form.here(element), root=f'<{element.tag}>'))
+            raise self._form.findings.stop(problem(
+                'L0102', self._form.here(element), root=f'<{element.tag}>'))
         rule = RULES['ladder']
         version = element.attributes.get('version', grammar.VERSION)
         if version != grammar.VERSION:
-            raise self.form.findings.stop(problem(
-                'L0110', self.form.here(element), version=version, known=grammar.VERSION))
-        self.form.check(element, rule)
+            raise self._form.findings.stop(problem(
+                'L0110', self._form.here(element), version=version, known=grammar.VERSION))
+        self._form.check(element, rule)
         namespace = element.attributes.get('xmlns:xsi')
         if namespace is None and 'xsi:noNamespaceSchemaLocation' in element.attributes:
-            self.form.report('L0105', element, attribute='xmlns:xsi', element=element.tag)
+            self._form.report('L0105', element, attribute='xmlns:xsi', element=element.tag)
         elif namespace not in (None, grammar.SCHEMA_INSTANCE):
-            self.form.bad_value(element, 'xmlns:xsi', f'write {grammar.SCHEMA_INSTANCE}')
-        name, place = self.form.name(element, 'name'), self.form.here(element)
+            self._form.bad_value(element, 'xmlns:xsi', f'write {grammar.SCHEMA_INSTANCE}')
+        name, place = self._form.name(element, 'name'), self._form.here(element)
         dialect = element.attributes.get('dialect', 'native')
         if not grammar.IDENTIFIER.fullmatch(dialect):
-            self.form.bad_value(element, 'dialect', 'write a word such as beremiz')
-        self.form.is_foreign = dialect != 'native'
-        self.types = TypeReader(self.form, frozenset(_composite_names(element)))
-        self.foreign.operands.enumerations = self.types.enumerations
+            self._form.bad_value(element, 'dialect', 'write a word such as beremiz')
+        self._form.is_foreign = dialect != 'native'
+        self._types = TypeReader(self._form, frozenset(_composite_names(element)))
+        self._foreign.operands.enumerations = self._types.enumerations
         specification = ''
         uses: list[Use] = []
         composites: list[Composite] = []
@@ -118,38 +122,38 @@ class _Reader:
         tasks: list[Task] = []
         bodies: list[Body] = []
         blocks: list[tuple[str, str]] = []
-        for child in self.form.children(element, rule):
+        for child in self._form.children(element, rule):
             match child.tag:
                 case 'specification':
-                    specification = self.form.specification(child)
+                    specification = self._form.specification(child)
                 case 'use':
-                    uses.append(self.use(child))
+                    uses.append(self._use(child))
                 case 'types':
-                    for inner in self.section(child):
-                        self.types.declare(inner)
+                    for inner in self._section(child):
+                        self._types.declare(inner)
                 case 'composites':
-                    composites += [self.composite(inner) for inner in self.section(child)]
+                    composites += [self._composite(inner) for inner in self._section(child)]
                 case 'variables':
-                    self.blocks = blocks
+                    self._blocks = blocks
                     variables += [
-                        variable for inner in self.section(child)
-                        if (variable := self.variable(inner, 'variables')) is not None]
+                        variable for inner in self._section(child)
+                        if (variable := self._variable(inner, 'variables')) is not None]
                 case 'tasks':
-                    tasks += [self.task(inner) for inner in self.section(child)]
+                    tasks += [self._task(inner) for inner in self._section(child)]
                 case _:
-                    bodies.append(self.body(child))
-        self.check_uses(composites)
+                    bodies.append(self._body(child))
+        self._check_uses(composites)
         return Program(
             name=name, bodies=tuple(bodies), composites=tuple(composites), uses=tuple(uses),
-            variables=(*variables, *self.foreign.operands.located.values()), tasks=tuple(tasks),
-            blocks=tuple(blocks), types=tuple(self.types.declared.values()),
-            expressions=dict(self.foreign.operands.expressions),
-            enumerations=dict(self.types.enumerations), dialect=dialect,
+            variables=(*variables, *self._foreign.operands.located.values()), tasks=tuple(tasks),
+            blocks=tuple(blocks), types=tuple(self._types.declared.values()),
+            expressions=dict(self._foreign.operands.expressions),
+            enumerations=dict(self._types.enumerations), dialect=dialect,
             specification=specification, location=place)
 
-    def use(self, element: Element) -> Use:
-        self.form.count(element, 'libraries', grammar.MAX_LIBRARIES)
-        self.form.check(element, RULES['use'])
+    def _use(self, element: Element) -> Use:
+        self._form.count(element, 'libraries', grammar.MAX_LIBRARIES)
+        self._form.check(element, RULES['use'])
         attributes = element.attributes
         below = 'write a path below the folder of the program: library/elevator.xml'
         digits = 'write 16 to 64 hexadecimal digits; ladder library PROGRAM update does'
@@ -158,81 +162,82 @@ class _Reader:
             value = attributes.get(attribute)
             if value is not None and (
                     len(value) > grammar.MAX_OPERAND or not form.fullmatch(value)):
-                self.form.bad_value(element, attribute, expected)
+                self._form.bad_value(element, attribute, expected)
         return Use(library=attributes.get('library', ''), sha256=attributes.get('sha256', ''),
-                   location=self.form.here(element))
+                   location=self._form.here(element))
 
-    def section(self, element: Element) -> Iterable[Element]:
+    def _section(self, element: Element) -> Iterable[Element]:
         rule = RULES[element.tag]
-        self.form.check(element, rule)
-        return self.form.children(element, rule)
+        self._form.check(element, rule)
+        return self._form.children(element, rule)
 
-    def variable(self, element: Element, parent: str) -> Variable | None:
+    def _variable(self, element: Element, parent: str) -> Variable | None:
         """Return a variable; None for a function block's instance, which is kept apart."""
-        self.form.count(element, 'variables', grammar.MAX_VARIABLES)
+        self._form.count(element, 'variables', grammar.MAX_VARIABLES)
         rule = RULES[f'{parent}/variable']
-        self.form.check(element, rule)
+        self._form.check(element, rule)
         type_name = element.attributes.get('type', '')
-        if self.types.is_block(type_name):
+        if self._types.is_block(type_name):
             for attribute in sorted(element.attributes.keys() - {'name', 'type', 'comment'}):
-                self.form.bad_value(element, attribute, 'a function block has none of these')
-            self.blocks.append((self.form.name(element, 'name'), type_name))
+                self._form.bad_value(element, attribute, 'a function block has none of these')
+            self._blocks.append((self._form.name(element, 'name'), type_name))
             return None
-        type_ = self.types.read(element)
+        type_ = self._types.read(element)
         initial: Initial = None
         if type_ is not None and (element.children or 'initial' in element.attributes):
-            initial = self.types.initial(element, rule, type_)
+            initial = self._types.initial(element, rule, type_)
         if initial is None and isinstance(type_ or DataType.BOOL, DataType):
             initial = default_value(elementary(type_ or DataType.BOOL) or DataType.BOOL)
         address = element.attributes.get('at', '')
         if address and (len(address) > grammar.MAX_NAME
                         or not grammar.ADDRESS.fullmatch(address)):
-            self.form.bad_value(element, 'at', 'write an address such as %IX0.0, %QX1.7 or %MW10')
+            self._form.bad_value(element, 'at', 'write an address such as %IX0.0, %QX1.7 or %MW10')
         return _variable(
-            name=self.form.name(element, 'name'), type=type_ or DataType.BOOL,
-            variable_class=self.form.word(element, 'class', VariableClass.LOCAL), initial=initial,
-            retain=self.form.flag(element, 'retain'), address=address,
-            constant=self.form.flag(element, 'constant'), was=self.form.was(element),
-            comment=element.attributes.get('comment', ''), location=self.form.here(element))
+            name=self._form.name(element, 'name'), type=type_ or DataType.BOOL,
+            variable_class=self._form.word(element, 'class', VariableClass.LOCAL), initial=initial,
+            retain=self._form.flag(element, 'retain'), address=address,
+            constant=self._form.flag(element, 'constant'), was=self._form.was(element),
+            comment=element.attributes.get('comment', ''), location=self._form.here(element))
 
-    def parameter(self, element: Element) -> Parameter:
-        self.form.count(element, 'variables', grammar.MAX_VARIABLES)
+    def _parameter(self, element: Element) -> Parameter:
+        self._form.count(element, 'variables', grammar.MAX_VARIABLES)
         rule = RULES['parameter']
-        self.form.check(element, rule)
-        type_ = self.types.read(element)
-        direction = self.form.word(element, 'direction', Direction.INPUT)
+        self._form.check(element, rule)
+        type_ = self._types.read(element)
+        direction = self._form.word(element, 'direction', Direction.INPUT)
         default: Initial = None
         if 'default' in element.attributes and direction is not Direction.INPUT \
-                and not self.form.is_foreign:
-            self.form.bad_value(
+                and not self._form.is_foreign:
+            self._form.bad_value(
                 element, 'default', 'only a parameter of direction="input" has one')
         elif type_ is not None and (element.children or 'default' in element.attributes):
-            default = self.types.initial(element, rule, type_, 'default')
+            default = self._types.initial(element, rule, type_, 'default')
         return _parameter(
-            name=self.form.name(element, 'name'), type=type_ or DataType.BOOL,
+            name=self._form.name(element, 'name'), type=type_ or DataType.BOOL,
             direction=direction, default=default, comment=element.attributes.get('comment', ''),
-            location=self.form.here(element))
+            location=self._form.here(element))
 
-    def task(self, element: Element) -> Task:
-        self.form.count(element, 'tasks', grammar.MAX_TASKS)
-        self.form.check(element, RULES['task'])
+    def _task(self, element: Element) -> Task:
+        self._form.count(element, 'tasks', grammar.MAX_TASKS)
+        self._form.check(element, RULES['task'])
         attributes = element.attributes
         if 'interval' not in attributes and 'single' not in attributes:
-            self.form.report('L0114', element, name=attributes.get('name', ''))
+            self._form.report('L0114', element, name=attributes.get('name', ''))
         return Task(
-            name=self.form.name(element, 'name'), interval=self.form.duration(element, 'interval'),
-            priority=self.form.number(element, 'priority'),
-            single=self.form.operand(element, 'single'),
-            watchdog=self.form.duration(element, 'watchdog'),
-            sensitivity=self.form.size(element, 'sensitivity'), location=self.form.here(element))
+            name=self._form.name(element, 'name'),
+            interval=self._form.duration(element, 'interval'),
+            priority=self._form.number(element, 'priority'),
+            single=self._form.operand(element, 'single'),
+            watchdog=self._form.duration(element, 'watchdog'),
+            sensitivity=self._form.size(element, 'sensitivity'), location=self._form.here(element))
 
-    def composite(self, element: Element) -> Composite:
-        self.form.count(element, 'composites and bodies', grammar.MAX_POUS)
+    def _composite(self, element: Element) -> Composite:
+        self._form.count(element, 'composites and bodies', grammar.MAX_POUS)
         rule = RULES['composite']
-        self.form.pou = shown(element.attributes.get('name', ''))
-        self.form.check(element, rule)
-        name, place = self.form.name(element, 'name'), self.form.here(element)
-        call = self.form.word(element, 'call', CallKind.INLINE)
+        self._form.pou = shown(element.attributes.get('name', ''))
+        self._form.check(element, rule)
+        name, place = self._form.name(element, 'name'), self._form.here(element)
+        call = self._form.word(element, 'call', CallKind.INLINE)
         specification = ''
         parameters: list[Parameter] = []
         variables: list[Variable] = []
@@ -240,66 +245,66 @@ class _Reader:
         parts: list[Element] = []
         located: list[Element] = []
         blocks: list[tuple[str, str]] = []
-        self.blocks = blocks
-        for child in self.form.children(element, rule):
+        self._blocks = blocks
+        for child in self._form.children(element, rule):
             match child.tag:
                 case 'specification':
-                    specification = self.form.specification(child)
+                    specification = self._form.specification(child)
                 case 'parameter':
-                    parameters.append(self.parameter(child))
+                    parameters.append(self._parameter(child))
                 case 'variable':
                     if child.attributes.keys() & {'class', 'at'}:
                         located.append(child)
-                    variable = self.variable(child, 'composite')
+                    variable = self._variable(child, 'composite')
                     variables += [] if variable is None else [variable]
                 case 'external':
-                    self.form.check(child, RULES['external'])
+                    self._form.check(child, RULES['external'])
                     parts.append(child)
-                    externals.append(self.form.name(child, 'name'))
+                    externals.append(self._form.name(child, 'name'))
                 case _:
                     parts.append(child)
         if call in _DRAWN_HERE:
             expected = 'write call="block" for a function block of another editor'
             for child in parts:
                 if child.tag not in grammar.RUNGS:
-                    self.misplaced(child, f'a composite with call="{call.value}"', expected)
+                    self._misplaced(child, f'a composite with call="{call.value}"', expected)
             for child in located:
                 attribute = 'at' if 'at' in child.attributes else 'class'
-                self.form.bad_value(child, attribute, 'only call="block" has such variables')
+                self._form.bad_value(child, attribute, 'only call="block" has such variables')
         else:
             for child in parts:
                 if child.tag in grammar.RUNGS:
-                    self.misplaced(child, f'a composite with call="{call.value}"',
+                    self._misplaced(child, f'a composite with call="{call.value}"',
                                    'write a <drawing> or <st>, or call="enabled"')
-        rungs, statements = self.parts(parts)
-        self.form.pou = ''
+        rungs, statements = self._parts(parts)
+        self._form.pou = ''
         return Composite(
             name=name, call=call, parameters=tuple(parameters), variables=tuple(variables),
             rungs=rungs, statements=statements, blocks=tuple(blocks),
-            externals=(*externals, *self.foreign.operands.used),
+            externals=(*externals, *self._foreign.operands.used),
             unsupported=element.attributes.get('unsupported', ''),
             category=element.attributes.get('category', ''),
             specification=specification, location=place)
 
-    def body(self, element: Element) -> Body:
-        self.form.count(element, 'composites and bodies', grammar.MAX_POUS)
+    def _body(self, element: Element) -> Body:
+        self._form.count(element, 'composites and bodies', grammar.MAX_POUS)
         rule = RULES['body']
-        self.form.pou = shown(element.attributes.get('name', ''))
-        self.form.check(element, rule)
-        name, place = self.form.name(element, 'name'), self.form.here(element)
-        run = self.form.word(element, 'run', RunKind.CYCLIC)
-        rungs, statements = self.parts(self.form.children(element, rule))
-        self.form.pou = ''
+        self._form.pou = shown(element.attributes.get('name', ''))
+        self._form.check(element, rule)
+        name, place = self._form.name(element, 'name'), self._form.here(element)
+        run = self._form.word(element, 'run', RunKind.CYCLIC)
+        rungs, statements = self._parts(self._form.children(element, rule))
+        self._form.pou = ''
         return Body(
             name=name, rungs=rungs, statements=statements, run=run,
             unsupported=element.attributes.get('unsupported', ''),
-            task=self.form.optional_name(element, 'task'),
+            task=self._form.optional_name(element, 'task'),
             comment=element.attributes.get('comment', ''), location=place)
 
-    def parts(self, elements: Iterable[Element]) -> tuple[
+    def _parts(self, elements: Iterable[Element]) -> tuple[
             tuple[Rung, ...], tuple[Statement, ...]]:
         """Return the rungs, drawings and statements of a POU."""
-        self.foreign.operands.enter(frozenset())
+        self._foreign.operands.enter(frozenset())
         rungs: list[Rung] = []
         statements: tuple[Statement, ...] = ()
         first = ''
@@ -308,13 +313,13 @@ class _Reader:
                 continue
             kind = 'rung' if element.tag in grammar.RUNGS else element.tag
             if first and (kind != 'rung' or first != 'rung'):
-                self.misplaced(element, f'a body that has <{first}>',
+                self._misplaced(element, f'a body that has <{first}>',
                                'a body is rungs, or one drawing, or one text')
             first = first or kind
             if element.tag == 'st':
-                statements = self.foreign.statements(element)
+                statements = self._foreign.statements(element)
             elif element.tag == 'drawing':
-                rungs.append(self.foreign.drawing(element))
+                rungs.append(self._foreign.drawing(element))
                 self.drawn.uses += [
                     (component.composite, component.location, True)
                     for component in rungs[-1].components if isinstance(component, Instance)]
@@ -323,16 +328,16 @@ class _Reader:
                              else self.drawn.alone(element))
         return tuple(rungs), statements
 
-    def misplaced(self, element: Element, where: str, expected: str) -> None:
-        self.form.report('L0116', element, element=element.tag, where=where, expected=expected)
+    def _misplaced(self, element: Element, where: str, expected: str) -> None:
+        self._form.report('L0116', element, element=element.tag, where=where, expected=expected)
 
-    def check_uses(self, composites: Sequence[Composite]) -> None:
+    def _check_uses(self, composites: Sequence[Composite]) -> None:
         """Check that rungs use composites of ours, and drawings those of other editors."""
         calls = {composite.name.casefold(): composite.call for composite in composites}
         for name, place, is_drawing in self.drawn.uses:
             call = calls.get(name.casefold())
             if call is not None and is_drawing == (call in _DRAWN_HERE):
-                self.form.findings.add(problem(
+                self._form.findings.add(problem(
                     'L0116', place, element='instance',
                     where='a drawing' if is_drawing else 'a rung',
                     expected=f'its composite has call="{call.value}", which is for '
