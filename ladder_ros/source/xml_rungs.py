@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from ladder_ros.diagnostics import Location
 from ladder_ros.model.component import (
@@ -30,6 +31,7 @@ from ladder_ros.source.grammar import RULES
 from ladder_ros.source.xml_form import Form, shown
 from ladder_ros.source.xml_tree import Element
 
+_T = TypeVar('_T')
 _argument = maker(Argument)
 _coil = maker(Coil)
 _contact = maker(Contact)
@@ -38,7 +40,10 @@ _location = maker(Location)
 _rung = maker(Rung)
 
 
-_LOOK = frozenset(('id', 'operand', 'x', 'y', 'width', 'height', 'up', 'down', 'kind'))
+_LOOK = frozenset((
+    'id', 'operand', 'x', 'y', 'width', 'height', 'up', 'down', 'kind', 'comment'))
+_SHORT = 1000
+"""Characters of an id, an operand and a comment that together keep every limit of attributes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,6 +54,22 @@ class _Look:
     placement: Placement
     kind: ContactKind | CoilKind
     cell: tuple[int, int] | None
+
+
+_ALIKE = 4096
+_PLACEMENTS: dict[tuple[object, ...], Placement] = {}
+"""Good placements, by their texts: many components stand in the same place of their rungs."""
+_LOOKS: dict[tuple[object, ...], _Look] = {}
+"""What contacts and coils without mistakes say but for their names and comments, by its texts."""
+
+
+def _remember(
+    known: dict[tuple[object, ...], _T], key: tuple[object, ...], value: _T,
+) -> None:
+    """Keep a value that depends on the key alone; all programs draw alike."""
+    if len(known) >= _ALIKE:
+        known.clear()
+    known[key] = value
 
 
 class RungReader:
@@ -66,10 +87,6 @@ class RungReader:
         self.read: list[Rung] = []
         self.moved: dict[int, Rung] = {}
         self.uses: list[tuple[str, Location, bool]] = []
-        self._placements: dict[tuple[object, ...], Placement] = {}
-        """Good placements, each once: many components stand in the same place of their rungs."""
-        self._looks: dict[tuple[object, ...], _Look] = {}
-        """Good contacts and coils but for their ids and operands, each once."""
 
     def rung(self, element: Element) -> Rung:
         """Return a rung."""
@@ -136,39 +153,44 @@ class RungReader:
             comment=element.attributes.get('comment', ''), location=place)
 
     def _component(self, element: Element) -> Component:
-        attributes = element.attributes
-        get = attributes.get
+        get = element.attributes.get
+        identifier, operand, comment = get('id'), get('operand'), get('comment')
         key = (element.tag, get('x'), get('y'), get('width'), get('height'), get('up'),
-               get('down'), get('kind'), len(attributes))
-        look = self._looks.get(key)
-        if look is not None and not element.children and element.text_line is None:
-            identifier = self._form.identifiers.get(get('id', ''))
-            operand = self._form.operands.get(get('operand', ''))
-            if identifier is not None and operand is not None:
-                self._form.cell = look.cell
-                return look.make(
-                    id=identifier, placement=look.placement, operand=operand, kind=look.kind,
-                    location=self._form.here(element))
+               get('down'), get('kind'), len(element.attributes) - (comment is not None))
+        look = _LOOKS.get(key)
+        if (look is None or identifier is None or operand is None or element.children
+                or element.text_line is not None
+                or len(identifier) + len(operand) + len(comment or '') > _SHORT):
+            return self._unknown(element, key)
+        self._form.cell = look.cell
+        return look.make(
+            id=self._form.identifiers.get(identifier) or self._form.identifier(element),
+            operand=self._form.operands.get(operand) or self._form.operand(element),
+            placement=look.placement, kind=look.kind, comment=comment or '',
+            location=self._form.here(element))
+
+    def _unknown(self, element: Element, key: tuple[object, ...]) -> Component:
+        """Return a component that has no known look, or more than that."""
         self._form.cell = None
         found = len(self._form.findings.diagnostics)
         component = self._placed(element)
-        if isinstance(component, (Contact, Coil)) and attributes.keys() <= _LOOK and (
+        if isinstance(component, (Contact, Coil)) and element.attributes.keys() <= _LOOK and (
                 found == len(self._form.findings.diagnostics)):
-            self._looks[key] = _Look(
+            _remember(_LOOKS, key, _Look(
                 make=_contact if isinstance(component, Contact) else _coil,
-                placement=component.placement, kind=component.kind, cell=self._form.cell)
+                placement=component.placement, kind=component.kind, cell=self._form.cell))
         return component
 
     def _placement(self, element: Element) -> Placement:
         get = element.attributes.get
         x, y = get('x'), get('y')
         key = (element.tag == 'column', x, y, get('width'), get('height'), get('up'), get('down'))
-        place = self._placements.get(key)
+        place = _PLACEMENTS.get(key)
         if place is None:
             before = len(self._form.findings.diagnostics)
             place = self._new_placement(element)
             if len(self._form.findings.diagnostics) == before and not (x is None or y is None):
-                self._placements[key] = place
+                _remember(_PLACEMENTS, key, place)
         else:
             self._form.cell = (place.x, place.y)
         return place
