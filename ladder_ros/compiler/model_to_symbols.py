@@ -38,9 +38,13 @@ from ladder_ros.model.program import (
 )
 from ladder_ros.nouns import maker
 
+_rung_resolver = maker(RungResolver)
 _symbol = maker(Symbol)
 NAME = re.compile(r'[A-Za-z_][A-Za-z0-9_]*$')
 IDENTIFIER = re.compile(r'[A-Za-z0-9_]+$')
+
+_ALIKE = 4096
+"""So many ids of components, which rungs have alike, are looked at once."""
 
 _DEFINITIONS = 256
 """So many definitions from libraries are resolved once, whoever uses them."""
@@ -63,10 +67,9 @@ class _Resolver:
     before: Before | None = None
     found: list[Diagnostic] = field(default_factory=list)
     noted: set[int] = field(default_factory=set)
-    identifiers: dict[str, str] = field(default_factory=dict)
-    """Ids of components that may be ones, casefolded; rungs have the same ones."""
     resolved: dict[tuple[str, str], Mapping[str, Resolved]] = field(default_factory=dict)
     composites: dict[str, Composite] = field(default_factory=dict)
+    interfaces: dict[str, Mapping[str, Parameter]] = field(default_factory=dict)
 
     @property
     def imported(self) -> bool:
@@ -126,12 +129,10 @@ class _Resolver:
 
     def _by_id(self, rung: Rung) -> list[tuple[str, Component]]:
         """Return the components of a rung, each with its casefolded id."""
-        known = self.identifiers
-        found = [(known.get(c.id, ''), c) for c in rung.components]
+        found = [(_folded(c.id), c) for c in rung.components]
         if len(dict(found)) < len(found) or not all(identifier for identifier, _ in found):
             self._unique(((c.id, c.location) for c in rung.components), pattern=IDENTIFIER)
             found = [(c.id.casefold(), c) for c in rung.components]
-            known.update((c.id, identifier) for identifier, c in found if IDENTIFIER.match(c.id))
         return found
 
     def _unique(
@@ -281,6 +282,7 @@ class _Resolver:
         self._unique(((r.id, r.location) for r in pou.rungs), pattern=IDENTIFIER)
         contacts: dict[str, Resolved] = {}
         refs: dict[str, Ref] = {}
+        targets: dict[str, Ref] = {}
         key = pou_key(pou)
         for rung in pou.rungs:
             if id(rung) in same:
@@ -292,9 +294,10 @@ class _Resolver:
             components = self._by_id(rung)
             if rung.wires is not None:
                 continue
-            in_rung = RungResolver(
+            in_rung = _rung_resolver(
                 report=self.report, scope=scope, rung=rung, by_id=dict(components),
-                composites=self.composites, contacts=contacts, refs=refs)
+                composites=self.composites, contacts=contacts, refs=refs, targets=targets,
+                interfaces=self.interfaces)
             found: dict[str, Resolved] = {}
             for identifier, component in components:
                 resolved = in_rung.resolve(component)
@@ -331,6 +334,12 @@ def _names_of(definition: _Definition) -> _Names | None:
     scope = resolver._composite_scope(composite)
     resolver._resolve_pou(composite, scope, {})
     return None if resolver.found else _Names(scope=scope, resolved=resolver.resolved)
+
+
+@lru_cache(_ALIKE)
+def _folded(identifier: str) -> str:
+    """Return the casefolded id of a component; nothing if it is none."""
+    return identifier.casefold() if IDENTIFIER.match(identifier) else ''
 
 
 def _instances(composite: Composite) -> Iterable[Instance]:

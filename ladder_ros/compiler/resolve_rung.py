@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 import difflib
 import re
@@ -55,6 +55,10 @@ class RungResolver:
     """What the POU's contacts refer to, by their operands."""
     refs: dict[str, Ref]
     """The variables that the POU's operands have turned out to be."""
+    targets: dict[str, Ref]
+    """Those that may be written."""
+    interfaces: dict[str, Mapping[str, Parameter]]
+    """The parameters of composites, by casefolded names of both."""
     function_types: dict[str, DataType | None] = field(default_factory=dict)
 
     def resolve(self, component: Component) -> Resolved | None:
@@ -97,6 +101,9 @@ class RungResolver:
 
     def target(self, text: str, location: Location, expected: DataType | None) -> Ref | None:
         """Resolve something that is written: a variable that may be."""
+        known = self.targets.get(text)
+        if known is not None and known.type is expected:
+            return known
         if _looks_literal(text):
             self.report('L0211', location, name=text, reason='it is a literal; name a variable')
             return None
@@ -108,6 +115,7 @@ class RungResolver:
         if reason:
             self.report('L0211', location, name=text, reason=reason)
             return None
+        self.targets[text] = operand
         return operand
 
     def _variable(self, text: str, location: Location) -> Ref | None:
@@ -386,7 +394,8 @@ class RungResolver:
         return False
 
     def _instance(self, instance: Instance) -> Resolved | None:
-        composite = self.composites.get(instance.composite.casefold())
+        key = instance.composite.casefold()
+        composite = self.composites.get(key)
         if composite is None:
             self.report('L0206', instance.location, name=instance.composite, hint=suggestion(
                 instance.composite, (c.name for c in self.composites.values())))
@@ -396,7 +405,10 @@ class RungResolver:
                         what='needs an instance name',
                         reason='add instance="..." to name its state')
             return None
-        parameters = {p.name.casefold(): p for p in composite.parameters}
+        parameters = self.interfaces.get(key)
+        if parameters is None:
+            parameters = self.interfaces[key] = {
+                p.name.casefold(): p for p in composite.parameters}
         bound: dict[str, Operand] = {}
         sources: list[str] = []
         owner = f'{instance.instance} ({composite.name})'
@@ -416,7 +428,7 @@ class RungResolver:
                     bound[parameter.name] = operand
                 fine = fine and operand is not None
         given = {argument.pin.casefold() for argument in instance.arguments}
-        for parameter in composite.parameters:
+        for parameter in composite.parameters if len(bound) < len(parameters) else ():
             if parameter.name.casefold() in given:
                 continue
             if parameter.default is None:

@@ -290,4 +290,5 @@ def allowed(word: str, known: Iterable[str], verb: str = 'allowed here:') -> str
 
 def shown(name: str) -> str:
     """Return what a location says of a name that has not been checked yet."""
-    return ''.join(c for c in name[:grammar.MAX_NAME] if c.isprintable())
+    name = name[:grammar.MAX_NAME]
+    return name if name.isprintable() else ''.join(c for c in name if c.isprintable())

@@ -121,7 +121,6 @@ class RungReader:
         children = self._form.children(element, rule)
         self._form.count(element, 'components', grammar.MAX_COMPONENTS, len(element.children))
         components = tuple([self._component(child) for child in children])
-        self._form.cell = None
         self._count_cells(element, components)
         self._form.rung_id = ''
         return _rung(
@@ -163,15 +162,16 @@ class RungReader:
                 or len(identifier) + len(operand) + len(comment or '') > _SHORT):
             return self._unknown(element, key)
         self._form.cell = look.cell
-        return look.make(
+        component = look.make(
             id=self._form.identifiers.get(identifier) or self._form.identifier(element),
             operand=self._form.operands.get(operand) or self._form.operand(element),
             placement=look.placement, kind=look.kind, comment=comment or '',
             location=self._form.here(element))
+        self._form.cell = None
+        return component
 
     def _unknown(self, element: Element, key: tuple[object, ...]) -> Component:
         """Return a component that has no known look, or more than that."""
-        self._form.cell = None
         found = len(self._form.findings.diagnostics)
         component = self._placed(element)
         if isinstance(component, (Contact, Coil)) and element.attributes.keys() <= _LOOK and (
@@ -179,6 +179,7 @@ class RungReader:
             _remember(_LOOKS, key, _Look(
                 make=_contact if isinstance(component, Contact) else _coil,
                 placement=component.placement, kind=component.kind, cell=self._form.cell))
+        self._form.cell = None
         return component
 
     def _placement(self, element: Element) -> Placement:

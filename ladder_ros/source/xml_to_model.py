@@ -70,6 +70,9 @@ def parse_program(text: bytes, file: str = '') -> Program:
     return program
 
 
+_PLAIN = frozenset(('name', 'class', 'type', 'retain', 'constant', 'comment'))
+_SHORT = 1000
+"""Characters of a name and a comment that together keep every limit of attributes."""
 _parameter = maker(Parameter)
 _variable = maker(Variable)
 _DRAWN_HERE = (CallKind.INLINE, CallKind.ENABLED)
@@ -87,6 +90,8 @@ class ProgramReader:
         self._types = TypeReader(self._form, frozenset())
         self.drawn = RungReader(self._form, known)
         self._foreign = DrawingReader(self._form)
+        self._plain: dict[tuple[object, ...], Variable] = {}
+        """A good variable of each kind that says nothing else of itself but name and comment."""
         self._blocks: list[tuple[str, str]] = []
         """Instances of function blocks that the section being read declares."""
 
@@ -174,6 +179,25 @@ class ProgramReader:
     def _variable(self, element: Element, parent: str) -> Variable | None:
         """Return a variable; None for a function block's instance, which is kept apart."""
         self._form.count(element, 'variables', grammar.MAX_VARIABLES)
+        get = element.attributes.get
+        name, comment = get('name'), get('comment', '')
+        key = (get('class'), get('type'), get('retain'), get('constant'),
+               len(element.attributes) - ('comment' in element.attributes))
+        like = self._plain.get(key)
+        if (like is not None and name is not None and not element.children
+                and element.text_line is None and len(name) + len(comment) < _SHORT):
+            return _variable(
+                name=self._form.name(element, 'name'), type=like.type,
+                variable_class=like.variable_class, initial=like.initial, retain=like.retain,
+                constant=like.constant, comment=comment, location=self._form.here(element))
+        found = len(self._form.findings.diagnostics)
+        variable = self._new_variable(element, parent)
+        if (variable is not None and element.attributes.keys() <= _PLAIN and not element.children
+                and len(self._form.findings.diagnostics) == found):
+            self._plain[key] = variable
+        return variable
+
+    def _new_variable(self, element: Element, parent: str) -> Variable | None:
         rule = RULES[f'{parent}/variable']
         self._form.check(element, rule)
         type_name = element.attributes.get('type', '')
