@@ -157,7 +157,8 @@ def compile_program(
     form = StateForm(layout_of(code, slots, index)) if backend == 'native' else None
     builder = _Builder(by_path, form, work, partial(_once_more, again, completely) if (
         again is not None) else None)
-    components = Later(builder.components, lambda: count_components(code))
+    components = Later(
+        builder.components, lambda: count_components(builder.work().linked.code))
     executable = Executable(
         name=program.name, backend=backend, slots=slots, make_state=form or list,
         components=components, source_hash=source_hash,
