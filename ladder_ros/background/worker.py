@@ -33,7 +33,7 @@ from ladder_ros.compiler.object_cache import ObjectCache
 from ladder_ros.compiler.pipeline import Compilation, compile_program, Work
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Executable, Variant
-from ladder_ros.model.program import Pou, Program
+from ladder_ros.model.program import Program
 from ladder_ros.runtime.planner import LocalPlanner
 from ladder_ros.runtime.scheduling import stay_behind
 from ladder_ros.source.read_any import again_from, parse_next
@@ -186,8 +186,7 @@ class Worker:
 
 
 def _size(program: Program) -> int:
-    pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
-    return sum(len(pou.rungs) for pou in pous)
+    return sum(len(pou.rungs) for pou in program.pous)
 
 
 def main() -> None:

@@ -22,7 +22,7 @@ from ladder_ros.model.component import (
     Instance,
     Row,
 )
-from ladder_ros.model.program import Pou, Program, Rung
+from ladder_ros.model.program import Program, Rung
 from ladder_ros.model.types import DataType
 
 _NOTHING: Mapping[int, RungEntry] = {}
@@ -56,10 +56,9 @@ def list_rungs(
     program: Program, known: Mapping[int, RungEntry] = _NOTHING,
 ) -> tuple[RungEntry, ...]:
     """Return every rung as drawn, with a digest of its drawing; some, by ``id``, are known."""
-    pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
     drawn = [known.get(id(rung)) or _entry(pou, rung.id, _text(rung))
              for pou, rung in _rungs(program)]
-    texts = [_entry(pou.name, '1', repr(pou.statements)) for pou in pous if pou.statements]
+    texts = [_entry(pou.name, '1', repr(pou.statements)) for pou in program.pous if pou.statements]
     return (*drawn, *texts)
 
 
@@ -82,8 +81,7 @@ def known_rungs(
 
 
 def _rungs(program: Program) -> Iterator[tuple[str, Rung]]:
-    pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
-    return ((pou.name, rung) for pou in pous for rung in pou.rungs)
+    return ((pou.name, rung) for pou in program.pous for rung in pou.rungs)
 
 
 def _text(rung: Rung) -> str:

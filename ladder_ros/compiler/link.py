@@ -35,7 +35,7 @@ from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import ComponentEntry, Slot
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import Component, Instance
-from ladder_ros.model.program import Composite, Pou, Program
+from ladder_ros.model.program import Composite, Program
 from ladder_ros.model.types import DataType
 from ladder_ros.nouns import maker
 
@@ -197,9 +197,8 @@ class _Drawn:
     """
 
     def __init__(self, program: Program, graphs: Mapping[str, Sequence[Aov]]) -> None:
-        pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
         self._rungs = {(pou_key(pou), rung.id): rung
-                       for pou in pous for rung in pou.rungs if rung.wires is None}
+                       for pou in program.pous for rung in pou.rungs if rung.wires is None}
         self._known: dict[tuple[str, str], Mapping[str, Component]] = {
             (key, aov.rung): {symbol.path: symbol.component for symbol in aov.symbols}
             for key, aovs in graphs.items() for aov in aovs

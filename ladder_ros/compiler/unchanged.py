@@ -16,7 +16,7 @@ from typing import TypeVar
 from ladder_ros.compiler.symbols import pou_key, Scope, Symbols
 from ladder_ros.diagnostics import Location
 from ladder_ros.model.component import Argument, Block, Coil, Contact, Instance
-from ladder_ros.model.program import Composite, Parameter, Pou, Program, Rung, Variable
+from ladder_ros.model.program import Composite, Parameter, Program, Rung, Variable
 
 _Declared = TypeVar('_Declared', Parameter, Variable)
 
@@ -52,9 +52,9 @@ def same_rungs(
     composites = {c.name.casefold(): c for c in before.composites}
     changed = {c.name.casefold() for c in now.composites if not _is_same(
         composites.pop(c.name.casefold(), None), c, earlier)} | composites.keys()
-    old = {pou_key(pou): pou for pou in _pous(before)}
+    old = {pou_key(pou): pou for pou in before.pous}
     found: dict[str, dict[int, int]] = {}
-    for pou in _pous(now):
+    for pou in now.pous:
         key = pou_key(pou)
         same = old.get(key)
         if same is None or getattr(same, 'call', None) is not getattr(pou, 'call', None):
@@ -83,10 +83,6 @@ def _is_same(old: Composite | None, new: Composite, earlier: Before) -> bool:
 
 def _bare(declared: Sequence[_Declared]) -> tuple[_Declared, ...]:
     return tuple([replace(one, location=Location()) for one in declared])
-
-
-def _pous(program: Program) -> tuple[Pou, ...]:
-    return (*program.composites, *program.bodies)
 
 
 def _changed(before: Scope, now: Scope) -> set[str]:
