@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where the time and the memory go between a program's file and its first scan.
 
+Also how soon another version of the file is compiled, in the process that compiles for a session.
+
 Usage: python benchmarks/stage_time.py [--repeat N] [--no-memory] [RUNGS ...]
 """
 
@@ -22,6 +24,7 @@ sys.path[:0] = [str(ROOT / 'test'), str(ROOT)]
 
 from support.plants import flat_plant, program_of  # noqa: E402
 
+from ladder_ros.background.process import CompilerProcess  # noqa: E402
 from ladder_ros.compiler import pipeline  # noqa: E402
 from ladder_ros.executable import Executable, Variant  # noqa: E402
 from ladder_ros.source.model_to_xml import write_program  # noqa: E402
@@ -45,6 +48,8 @@ TARGETS = {1000: 0.3, 10_000: 3.0}
 
 MOST_COMPILING = 10.0
 """KiB a rung that may be needed at most while compiling."""
+
+SMALL = write_program(program_of(flat_plant(1))).encode()
 
 MOST_KEPT = 1.0
 """KiB a rung that a program which runs may keep, its file not counted."""
@@ -115,6 +120,32 @@ def memory(data: bytes) -> tuple[float, float]:
     return peak, kept
 
 
+def versions(data: bytes) -> dict[str, bytes]:
+    """Return a file, with one rung changed, and with that rung and a variable above all rungs."""
+    lines = data.decode().split('\n')
+    contacts = [number for number, line in enumerate(lines) if '<contact ' in line]
+    middle = contacts[len(contacts) // 2]
+    lines[middle] = lines[middle].replace('/>', ' comment="looked at"/>')
+    edited = '\n'.join(lines).encode()
+    lines.insert(3, '    <variable name="one_more" type="BOOL"/>')
+    return {'whole': data, 'a rung': edited, 'a rung and a variable': '\n'.join(lines).encode()}
+
+
+def reload(data: bytes) -> dict[str, float]:
+    """Return the seconds until each version of a file has come from the other process."""
+    compiler = CompilerProcess()
+    found = {}
+    try:
+        compiler.compile(SMALL, 'small.xml', backend='python')  # it has started
+        for name, version in versions(data).items():
+            start = time.perf_counter()
+            compiler.compile(version, 'plant.xml', backend='python')
+            found[name] = time.perf_counter() - start
+    finally:
+        compiler.close()
+    return found
+
+
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -139,6 +170,10 @@ def main() -> None:
         print(f'{count:7} ' + ' '.join(
             f'{best[name] / count * 1e6:9.1f}' for name in (*parts, *STAGES))
             + f'   {best["all"]:.3f} s{verdict}', flush=True)
+        reloads = [reload(data) for _ in range(options.repeat)]
+        print(f'{"":7} file to candidate: ' + ', '.join(
+            f'{name} {min(one[name] for one in reloads):.2f} s' for name in reloads[0]),
+            flush=True)
         if not options.no_memory:
             peak, kept = (amount / count / 1024 for amount in memory(data))
             print(f'{"":7} memory a rung: {peak:.1f} KiB at most, target {MOST_COMPILING:g} KiB: '

@@ -76,9 +76,12 @@ class Parts(Sequence[_T], Generic[_T]):
 class Later(Sequence[_T], Generic[_T]):
     """Items that are made all together when somebody looks at one of them."""
 
-    def __init__(self, make: Callable[[], Sequence[_T]]) -> None:
-        """Keep what makes them."""
+    def __init__(
+        self, make: Callable[[], Sequence[_T]], count: Callable[[], int] | None = None,
+    ) -> None:
+        """Keep what makes them, and what tells how many there are without making them."""
         self._make: Callable[[], Sequence[_T]] | None = make
+        self._count = count
         self._found: Sequence[_T] = ()
 
     def made(self) -> list[Sequence[_T]]:
@@ -88,11 +91,11 @@ class Later(Sequence[_T], Generic[_T]):
     def _items(self) -> Sequence[_T]:
         if self._make is not None:
             self._found = self._make()
-            self._make = None
+            self._make = self._count = None
         return self._found
 
     def __len__(self) -> int:
-        return len(self._items())
+        return len(self._items()) if self._count is None else self._count()
 
     @overload
     def __getitem__(self, index: int) -> _T: ...
@@ -367,10 +370,8 @@ class Executable:
         """Return all that there are many of, for who frees a program little by little."""
         found: list[Sequence[object]] = [tuple(self.by_path)]
         for items in (self.slots, self.components, self.rungs):
-            if isinstance(items, Parts):
-                found += items.unpacked()
-            else:
-                found += items.made() if isinstance(items, Later) else [items]
+            for made in items.made() if isinstance(items, Later) else [items]:
+                found += made.unpacked() if isinstance(made, Parts) else [made]
         return found
 
     def initial_state(self) -> State:

@@ -13,15 +13,18 @@ import time
 import weakref
 
 import pytest
+from support.plants import flat_plant, program_of
 
 from ladder_ros.background.frames import Channel
 from ladder_ros.background.process import CompilerProcess
+from ladder_ros.background.worker import Worker
 from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.diagnostics import LadderError
-from ladder_ros.executable import Executable, Parts, Variant
+from ladder_ros.executable import Executable, Later, Parts, Variant
 from ladder_ros.runtime.planner import LocalPlanner
 from ladder_ros.runtime.scan_cycle import ScanCycle
 from ladder_ros.session import Session
+from ladder_ros.source.model_to_xml import write_program
 from ladder_ros.source.xml_to_model import parse_program
 
 PROGRAMS = sorted((Path(__file__).resolve().parents[1] / 'programs').glob('*.xml'))
@@ -128,8 +131,81 @@ def test_executable_when_only_changed_to_then_its_slots_stay_packed(
     cycle.scan(0)
     following, _ = cycle.successor(new, compiler.transition(old, new)).take_over()
     following.scan(10_000_000)
-    assert isinstance(new.slots, Parts) and isinstance(new.components, Parts)
-    assert new.slots.unpacked() == [] == new.components.unpacked()
+    assert isinstance(new.slots, Parts)
+    assert isinstance(new.components, Later) and isinstance(new.rungs, Later)
+    assert new.slots.unpacked() == new.components.made() == new.rungs.made() == []
+
+
+def test_components_when_they_are_counted_then_they_stay_in_the_other_process(
+    compiler: CompilerProcess,
+) -> None:
+    data = PROGRAMS[2].read_bytes()
+    far = compiler.compile(data, 'a.xml', backend='python').executable
+    near = compile_program(parse_program(data, 'a.xml')).executable
+    assert isinstance(far.components, Later) and isinstance(near.components, Later)
+    assert len(far.components) == len(near.components) == len(tuple(near.components))
+    assert far.components.made() == []
+    assert far.components == near.components
+    assert far.rungs == near.rungs
+
+
+def test_components_when_the_process_has_ended_then_they_are_found_all_the_same() -> None:
+    compiler = CompilerProcess()
+    data = PROGRAMS[0].read_bytes()
+    try:
+        far = compiler.compile(data, 'a.xml', backend='python').executable
+    finally:
+        compiler.close()
+    try:
+        near = compile_program(parse_program(data, 'a.xml')).executable
+        assert far.components == near.components
+    finally:
+        compiler.close()
+
+
+def test_compile_when_a_file_has_changed_again_and_again_then_each_version_is_itself(
+    compiler: CompilerProcess,
+) -> None:
+    text = write_program(program_of(flat_plant(60)))
+    versions = [
+        text, text.replace('<body', '\n<body'), text.replace('operand="x1"', 'operand="x2"'),
+        text.replace('    <rung id="30"', '    <rung id="30b"'), text + '<!-- -->',
+        text.replace('<variables>', '<variables><variable name="new" type="BOOL"/>')]
+    before: Executable | None = None
+    for version in versions:
+        data = version.encode()
+        far = compiler.compile(data, 'a.xml', backend='python')
+        near = compile_program(parse_program(data, 'a.xml'))
+        assert far.diagnostics == near.diagnostics
+        for name in ('slots', 'components', 'routines', 'rungs', 'by_path', 'outline'):
+            assert getattr(far.executable, name) == getattr(near.executable, name)
+        for variant in (Variant(), Variant(observed=True)):
+            assert states(far.executable, variant) == states(near.executable, variant)
+        if before is not None:
+            assert compiler.compare(before, far.executable, {}) == LocalPlanner().compare(
+                before, far.executable, {})
+        before = far.executable
+
+
+def test_worker_when_it_rests_then_it_lets_its_work_go_and_still_answers() -> None:
+    data = PROGRAMS[0].read_bytes()
+    worker = Worker()
+    requests = [('compile', 'one', 'a.xml', 'python', '', data), ('components', 'one'),
+                ('variant', 'one', Variant(observed=True)),
+                ('compile', 'two', 'a.xml', 'python', '', data.replace(b'<body', b'\n<body'))]
+    answers = [list(worker.answer(request)) for request in requests]
+    worker.rest()
+    assert worker.work() == []
+    assert [list(worker.answer(request)) for request in requests[1:3]] == answers[1:3]
+
+
+def test_worker_when_programs_are_compiled_then_it_keeps_the_work_of_few_rungs() -> None:
+    worker = Worker(most_rungs=150)
+    for number, count in enumerate((60, 60, 60, 140, 160)):
+        data = write_program(program_of(flat_plant(count, seed=number))).encode()
+        list(worker.answer(('compile', str(number), 'a.xml', 'python', '', data)))
+        kept = [len(work.program.bodies[0].rungs) for work in worker.work()]
+        assert kept == {60: [60, 60][-number - 1:], 140: [140], 160: []}[count]
 
 
 def test_compile_when_the_program_is_wrong_then_every_error_comes_back(

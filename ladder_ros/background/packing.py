@@ -144,43 +144,47 @@ class _ByPath(Mapping[str, Slot]):
 
 
 def pack_layout(executable: Executable) -> Iterator[bytes]:
-    """Yield the parts of everything in an executable but its code."""
+    """Yield the parts of an executable but its code, its components and its rungs."""
     paths = [(path, slot.index) for path, slot in executable.by_path.items()]
     yield pickle.dumps((
         {name: getattr(executable, name) for name in (
-            'name', 'backend', 'source_hash', 'entries', 'routines', 'tasks')}, len(paths)))
+            'name', 'backend', 'source_hash', 'entries', 'routines', 'tasks')}, len(paths),
+        len(executable.components)))
     outline = executable.outline
     yield marshal.dumps(outline.initial)
     yield pickle.dumps(replace(outline, initial=()))
     for start in range(0, len(paths), MANY):
         yield marshal.dumps(paths[start:start + MANY])
-    for items in (executable.slots, executable.components, executable.rungs):
-        yield from _pack_parts(items)
+    yield from pack_parts(executable.slots)
 
 
-def unpack_layout(receive: Receive, breathe: Breathe) -> dict[str, Any]:
-    """Read what :func:`pack_layout` has written, as arguments of an Executable."""
-    layout, size = pickle.loads(receive())
+def unpack_layout(receive: Receive, breathe: Breathe) -> tuple[dict[str, Any], int]:
+    """Read what :func:`pack_layout` has written: arguments of an Executable.
+
+    Also the number of its components.
+    """
+    layout, size, components = pickle.loads(receive())
     initial = marshal.loads(receive())
     layout['outline'] = replace(pickle.loads(receive()), initial=initial)
     indices: dict[str, int] = {}
     for _ in range(0, size, MANY):
         breathe()
         indices.update(marshal.loads(receive()))
-    for name in ('slots', 'components', 'rungs'):
-        layout[name] = _unpack_parts(receive, breathe)
+    layout['slots'] = unpack_parts(receive, breathe)
     layout['by_path'] = _ByPath(indices, layout['slots'])
-    return layout  # type: ignore[no-any-return]
+    return layout, components
 
 
-def _pack_parts(items: Sequence[object]) -> Iterator[bytes]:
+def pack_parts(items: Sequence[object]) -> Iterator[bytes]:
+    """Yield items, some in each part."""
     yield pickle.dumps(len(items))
     for start in range(0, len(items), PART):
         yield zlib.compress(pickle.dumps(
             tuple(items[start:start + PART]), protocol=pickle.HIGHEST_PROTOCOL))
 
 
-def _unpack_parts(receive: Receive, breathe: Breathe) -> Parts[Any]:
+def unpack_parts(receive: Receive, breathe: Breathe) -> Parts[Any]:
+    """Read what :func:`pack_parts` has written."""
     size = pickle.loads(receive())
     packed = []
     for number in range(0, size, PART):
@@ -259,11 +263,11 @@ def _unpack_many(
 def pack_comparison(comparison: Comparison) -> Iterator[bytes]:
     """Yield the parts of a comparison."""
     yield pickle.dumps(replace(comparison, state=()))
-    yield from _pack_parts(comparison.state)
+    yield from pack_parts(comparison.state)
 
 
 def unpack_comparison(receive: Receive, breathe: Breathe) -> Comparison:
     """Read what :func:`pack_comparison` has written."""
     comparison: Comparison = pickle.loads(receive())
-    state: Sequence[StateItem] = _unpack_parts(receive, breathe)
+    state: Sequence[StateItem] = unpack_parts(receive, breathe)
     return replace(comparison, state=state)

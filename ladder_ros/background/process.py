@@ -9,7 +9,7 @@ makes any: the functions of a program that was compiled here are freed when nobo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 import hashlib
 import os
@@ -18,7 +18,7 @@ import pickle
 import subprocess
 import sys
 import threading
-from typing import TypeVar
+from typing import Any, TypeVar
 import zlib
 
 import ladder_ros
@@ -29,6 +29,7 @@ from ladder_ros.background.packing import (
     unpack_comparison,
     unpack_layout,
     unpack_native,
+    unpack_parts,
     unpack_transition,
 )
 from ladder_ros.compiler.backends import BACKENDS
@@ -36,7 +37,7 @@ from ladder_ros.compiler.native import load_native, NativeProgram, on_values
 from ladder_ros.compiler.native_state import StateForm
 from ladder_ros.compiler.pipeline import Compilation, compile_program
 from ladder_ros.diagnostics import InternalError, LadderError, Location
-from ladder_ros.executable import Executable, Form, Scan, Variant
+from ladder_ros.executable import Executable, Form, Later, Scan, Variant
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.planner import LocalPlanner, Transition
 from ladder_ros.runtime.preflight import Comparison
@@ -147,6 +148,19 @@ class CompilerProcess:
             pass
         return _compile_here(program.source).first(variant)
 
+    def listed(
+        self, program: _Build, what: str, timeout: float = DEFAULT_TIMEOUT,
+    ) -> Sequence[Any]:
+        """Return the ``components`` or ``rungs`` of a program, which stay packed there."""
+        try:
+            with self._turn, self._bounded(timeout, program.source[1]) as listen:
+                if self._asked(listen, (what, program.key), program):
+                    return unpack_parts(listen, breathless)
+        except (_Gone, OSError):
+            pass
+        found: Sequence[Any] = getattr(_compile_here(program.source).executable, what)
+        return found
+
     def native(
         self, program: _Build, timeout: float = DEFAULT_TIMEOUT,
     ) -> tuple[NativeProgram, Mapping[str, Scan], list[bytes]]:
@@ -222,12 +236,14 @@ class CompilerProcess:
             raise LadderError(content)
         if word != 'fine':
             return None
-        layout = unpack_layout(listen, breathe)
+        layout, components = unpack_layout(listen, breathe)
         code = unpack_code(listen, breathe)
         build = _Build(self, key, source, code)
         faster = _Faster(build) if layout['backend'] == 'native' else None
         return Compilation(diagnostics=content, first=build, executable=Executable(
-            **layout, build=build, faster=faster))
+            **layout, build=build, faster=faster,
+            components=Later(lambda: self.listed(build, 'components'), lambda: components),
+            rungs=Later(lambda: self.listed(build, 'rungs'))))
 
     def _asked(self, listen: Receive, request: tuple[object, ...], *programs: _Build) -> bool:
         """Ask about programs; say whether the rest of the answer comes now."""

@@ -8,12 +8,13 @@ Frames go both ways.  A request is a pickled tuple; the first frame of an answer
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from collections import deque, OrderedDict
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import os
 import pickle
+import select
 import sys
 from typing import Any
 
@@ -24,20 +25,30 @@ from ladder_ros.background.packing import (
     pack_comparison,
     pack_layout,
     pack_native,
+    pack_parts,
     pack_transition,
 )
 from ladder_ros.compiler.llvm_machine import make_object
 from ladder_ros.compiler.object_cache import ObjectCache
-from ladder_ros.compiler.pipeline import Compilation, compile_program
+from ladder_ros.compiler.pipeline import Compilation, compile_program, Work
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Executable, Variant
+from ladder_ros.model.program import Program
 from ladder_ros.runtime.planner import LocalPlanner
 from ladder_ros.runtime.scheduling import stay_behind
-from ladder_ros.source.read_any import parse_any
+from ladder_ros.source.read_any import again_from, parse_next
+from ladder_ros.source.xml_again import Reading
 
 WITH_DATA = ('compile', 'learn')
 """Requests after which a program file's bytes come."""
 _KEPT = 4
+"""Programs."""
+_KEPT_WORK = 2
+"""Programs of which all that was made on the way is kept: that which runs, and the candidate."""
+_MOST_RUNGS = 40_000
+"""Rungs that these two may have together: up to 10 KiB each; two versions of one share most."""
+_IDLE_MS = 600_000
+"""After so long without a request that work is let go."""
 _PLANNER = LocalPlanner()
 
 
@@ -50,9 +61,12 @@ class _Known:
 class Worker:
     """Answers requests; keeps the last programs, which are likely to be asked about again."""
 
-    def __init__(self) -> None:
-        """Nothing is compiled yet."""
+    def __init__(self, most_rungs: int = _MOST_RUNGS) -> None:
+        """Nothing is compiled yet; work on so many rungs is kept at most."""
+        self._most_rungs = most_rungs
         self._known: OrderedDict[str, _Known] = OrderedDict()
+        self._made: deque[tuple[Reading, Work]] = deque(maxlen=_KEPT_WORK)
+        """How the last programs were read and compiled, the last one's last."""
         self._modules: dict[str, tuple[str, ...]] = {}
         """The texts of native modules that are to become object code, of known programs."""
 
@@ -63,8 +77,9 @@ class Worker:
         file's bytes, is appended; ``learn``, the same without the program in the answer;
         ``('variant', key, Variant)``; ``('transition', key, key)``;
         ``('compare', key, key, forces)``; ``('native', key)`` for all of the native form but its
-        object code, which ``('object', key, number)`` makes of each of its modules.  ``unknown``:
-        a program is meant that is not kept.
+        object code, which ``('object', key, number)`` makes of each of its modules;
+        ``('components', key)`` and ``('rungs', key)``.  ``unknown``: a program is meant that is
+        not kept.
         """
         match request:
             case ('compile', key, *source):
@@ -76,6 +91,10 @@ class Worker:
             case ('variant', key, variant):
                 yield pickle.dumps(('fine', None))
                 yield from pack_code(self._compilation(key).first(variant))
+            case ('components' | 'rungs' as what, key):
+                items = getattr(self._executable(key), what)
+                yield pickle.dumps(('fine', None))
+                yield from pack_parts(items)
             case ('native', key):
                 yield from self._native(key)
             case ('object', key, number):
@@ -123,11 +142,10 @@ class Worker:
         if known is None:
             file, backend, source_hash, data = source
             try:
-                compilation = compile_program(
-                    parse_any(data, file), backend=backend, source_hash=source_hash)
-                executable = compilation.executable
+                compilation = self._compiled(data, file, backend, source_hash)
                 known = _Known(compilation=compilation, frames=(
-                    *pack_layout(executable), *pack_code(compilation.first(Variant()))))
+                    *pack_layout(compilation.executable),
+                    *pack_code(compilation.first(Variant()))))
             except LadderError as error:
                 yield pickle.dumps(('wrong', error.diagnostics))
                 return
@@ -142,6 +160,34 @@ class Worker:
         if tell:
             yield from known.frames
 
+    def _compiled(
+        self, data: bytes, file: str, backend: str, source_hash: str,
+    ) -> Compilation:
+        """Compile a program: what it does not share with the last one."""
+        before, work = self._made[-1] if self._made else (None, None)
+        reading = parse_next(data, file, before)
+        compilation = compile_program(
+            reading.program, backend=backend, source_hash=source_hash, earlier=work,
+            moved=reading.moved, again=again_from(reading.program, data, file))
+        assert compilation.work is not None
+        len(compilation.work.rungs)  # comparing needs them, and the last program's are at hand
+        self._made.append((reading, compilation.work))
+        while sum(_size(reading.program) for reading, _ in self._made) > self._most_rungs:
+            self._made.popleft()
+        return replace(compilation, work=None)
+
+    def work(self) -> list[Work]:
+        """Return the work that is kept, the last program's last."""
+        return [work for _, work in self._made]
+
+    def rest(self) -> None:
+        """Let go what is there only to make the next answer come soon."""
+        self._made.clear()
+
+
+def _size(program: Program) -> int:
+    return sum(len(pou.rungs) for pou in program.pous)
+
 
 def main() -> None:
     """Answer until there are no more requests."""
@@ -150,7 +196,11 @@ def main() -> None:
     os.dup2(2, 1)
     stay_behind()
     worker = Worker()
+    requests = select.poll()
+    requests.register(sys.stdin.buffer, select.POLLIN)
     while True:
+        if not requests.poll(_IDLE_MS):  # nothing is buffered: each request awaits its answer
+            worker.rest()
         try:
             request = pickle.loads(receive(sys.stdin.buffer))
             if request[0] in WITH_DATA:

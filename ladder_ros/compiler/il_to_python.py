@@ -35,6 +35,8 @@ from ladder_ros.compiler.python_code import (
     linkable_end,
     Piece,
     Pieces,
+    stack_value,
+    StackValue,
     taken_over,
 )
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
@@ -91,6 +93,7 @@ class _Program:
     earlier: Mapping[str, Piece] = field(default_factory=dict)
     names: dict[str, object] = field(default_factory=dict)
     calls: dict[str, str] = field(default_factory=dict)
+    read: dict[str, StackValue] = field(default_factory=dict)  # what reads a variable, by its path
     routine_names: dict[tuple[bool, str], str] = field(default_factory=dict)
     texts: list[str] = field(default_factory=list)
     pieces: dict[str, Piece] = field(default_factory=dict)
@@ -233,26 +236,6 @@ class _Program:
             yield f's[{self.slot(index)}] = {local}'
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Value:
-    """An expression on the stack.
-
-    ``reads`` are the slots that it reads; ``kind`` is its outermost operator ('', 'or', 'and'),
-    ``depth`` how deeply its parentheses nest.
-    """
-
-    text: str
-    reads: frozenset[int] = frozenset()
-    kind: str = ''
-    depth: int = 0
-
-    def inside(self, kind: str) -> tuple[str, int]:
-        """Return the text as an operand of an operator, and its depth."""
-        if self.kind == 'or' and kind != 'or':
-            return f'({self.text})', self.depth + 1
-        return self.text, self.depth
-
-
 @dataclass(slots=True, kw_only=True)
 class _Emitter:
     """Emits one network.
@@ -264,8 +247,8 @@ class _Emitter:
     jumps: Mapping[str, int]
     end: int
     lines: list[str] = field(default_factory=list)
-    stack: list[_Value] = field(default_factory=list)
-    memory: list[_Value] = field(default_factory=list)
+    stack: list[StackValue] = field(default_factory=list)
+    memory: list[StackValue] = field(default_factory=list)
     locals: int = 0
     indent: str = ''
     loops: list[str] = field(default_factory=list)
@@ -289,13 +272,13 @@ class _Emitter:
         self.locals += 1
         return f'v{self.locals}'
 
-    def _settle(self) -> _Value:
+    def _settle(self) -> StackValue:
         """Put the current result into a local variable, unless it is one or a constant."""
         top = self.stack[-1]
         if top.reads or top.kind or ' ' in top.text:
             name = self._fresh()
             self.put(f'{name} = {top.text}')
-            top = self.stack[-1] = _Value(text=name)
+            top = self.stack[-1] = stack_value(text=name)
         return top
 
     def _save_readers(self, slots: frozenset[int] | None) -> None:
@@ -305,30 +288,31 @@ class _Emitter:
                 if value.reads and (slots is None or value.reads & slots):
                     name = self._fresh()
                     self.put(f'{name} = {value.text}')
-                    values[position] = _Value(text=name)
+                    values[position] = stack_value(text=name)
 
-    def _read(self, operand: Operand) -> _Value:
+    def _read(self, operand: Operand) -> StackValue:
         if isinstance(operand, Literal):
-            return _Value(text=self.program.constant(operand.value))
+            return stack_value(text=self.program.constant(operand.value))
         if isinstance(operand, Element):
             return self._read_element(operand)
-        if operand.path.startswith('%T'):
-            return _Value(text=operand.path.replace('%', ''))
-        index = self.program.index(operand)
-        return self._slot_value(index)
+        path = operand.path
+        if path not in self.program.read:
+            self.program.read[path] = (
+                stack_value(text=path.replace('%', '')) if path.startswith('%T')
+                else self._slot_value(self.program.index(operand)))
+        return self.program.read[path]
 
-    def _slot_value(self, index: int) -> _Value:
-        return _Value(text=f's[{self.program.slot(index)}]', reads=frozenset({index}))
+    def _slot_value(self, index: int) -> StackValue:
+        return stack_value(text=f's[{self.program.slot(index)}]', reads=frozenset({index}))
 
-    def _combine(self, left: _Value, right: _Value, kind: str) -> _Value:
+    def _combine(self, left: StackValue, right: StackValue, kind: str) -> StackValue:
         (a, depth_a), (b, depth_b) = left.inside(kind), right.inside(kind)
-        value = _Value(text=f'{a} {kind} {b}', reads=left.reads | right.reads, kind=kind,
-                       depth=max(depth_a, depth_b))
-        if len(value.text) > _LONGEST_EXPRESSION or value.depth > _DEEPEST_EXPRESSION:
+        text, depth = f'{a} {kind} {b}', depth_a if depth_a > depth_b else depth_b
+        if len(text) > _LONGEST_EXPRESSION or depth > _DEEPEST_EXPRESSION:
             name = self._fresh()
-            self.put(f'{name} = {value.text}')
-            value = _Value(text=name)
-        return value
+            self.put(f'{name} = {text}')
+            return stack_value(text=name)
+        return stack_value(text=text, reads=left.reads | right.reads, kind=kind, depth=depth)
 
     def _write(self, ref: Operand, text: str) -> None:
         """Assign to a variable that is not forced; what reads it has been saved."""
@@ -351,13 +335,13 @@ class _Emitter:
         return (f'0 <= {index} < {element.count}',
                 f's[{self.program.slot(first)} + {index} * {element.stride}]')
 
-    def _read_element(self, element: Element) -> _Value:
+    def _read_element(self, element: Element) -> StackValue:
         inside, place = self._element_place(element)
         name = self._fresh()
         self.put(f'if {inside}: {name} = {place}')
         zero = self.program.constant(default_value(element.type))
         self.put(f'else: {name} = {zero}; s[0] += 1')
-        return _Value(text=name)
+        return stack_value(text=name)
 
     def _write_element(self, element: Element, text: str) -> None:
         inside, place = self._element_place(element)
@@ -443,7 +427,7 @@ class _Emitter:
             self.stack.pop()
         elif op is Op.NOT:
             top = self._settle()
-            self.stack[-1] = _Value(text=f'not {top.text}', kind='not')
+            self.stack[-1] = stack_value(text=f'not {top.text}', kind='not')
         elif op is Op.MOV:
             self._move(instruction)
         elif op in CONTROL:
@@ -458,7 +442,7 @@ class _Emitter:
         value = self._read(instruction.operand)
         base, mode = _CONTACTS[instruction.op]
         if mode == 'N':
-            value = _Value(text=f'not {value.text}', reads=value.reads)
+            value = stack_value(text=f'not {value.text}', reads=value.reads)
         elif mode in ('P', 'F'):
             value = self._edge(instruction, value.text, mode)
         if base == 'LD':
@@ -467,7 +451,7 @@ class _Emitter:
             self.stack[-1] = self._combine(
                 self.stack[-1], value, 'and' if base == 'AND' else 'or')
 
-    def _edge(self, instruction: Instruction, now: str, mode: str) -> _Value:
+    def _edge(self, instruction: Instruction, now: str, mode: str) -> StackValue:
         """Detect an edge at once: it must be seen in every scan, whatever power does.
 
         As in R_TRIG and F_TRIG the memory starts FALSE and holds the signal, or its negation.
@@ -478,7 +462,7 @@ class _Emitter:
         level = now if mode == 'P' else f'not {now}'
         self.put(f'{name} = {level} and not {memory}')
         self._write(instruction.memory, level)
-        return _Value(text=name)
+        return stack_value(text=name)
 
     def _coil(self, instruction: Instruction, is_last: bool) -> None:
         op, operand = instruction.op, instruction.operand
@@ -590,7 +574,7 @@ class _Emitter:
                 self.put('pass')
                 self._write(target, out)
                 self.indent = self.indent[4:]
-        self.stack.append(_Value(text=fine if kind.power_output == 'ENO' else out))
+        self.stack.append(stack_value(text=fine if kind.power_output == 'ENO' else out))
 
 
 def _plain(text: str) -> str:

@@ -29,7 +29,7 @@ def expand_inline(aov: Aov, bodies: Mapping[str, Sequence[Aov]]) -> Aov:
     ``bodies`` gives the graphs of each inline composite's rungs, already expanded, by casefolded
     name.  Raises LadderError (L0401) if the result grows beyond the limit.
     """
-    if not any(_is_inline(symbol, bodies) for symbol in aov.symbols):
+    if not bodies or not any(_is_inline(symbol, bodies) for symbol in aov.symbols):
         return aov
     return _Expander(aov=aov, bodies=bodies).run()
 

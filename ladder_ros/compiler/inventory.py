@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 import hashlib
 
 from ladder_ros.compiler.il import active_flag, InstructionList
+from ladder_ros.compiler.unchanged import Before
 from ladder_ros.diagnostics import Diagnostic, LadderError, problem
 from ladder_ros.executable import RoutineEntry, RungEntry, Slot, TaskEntry
 from ladder_ros.model.component import (
@@ -23,6 +24,8 @@ from ladder_ros.model.component import (
 )
 from ladder_ros.model.program import Program, Rung
 from ladder_ros.model.types import DataType
+
+_NOTHING: Mapping[int, RungEntry] = {}
 
 
 def list_tasks(program: Program, slots: Mapping[str, Slot]) -> tuple[TaskEntry, ...]:
@@ -49,14 +52,36 @@ def list_tasks(program: Program, slots: Mapping[str, Slot]) -> tuple[TaskEntry, 
     return tuple(tasks)
 
 
-def list_rungs(program: Program) -> tuple[RungEntry, ...]:
-    """Return every rung as drawn, with a digest of its drawing."""
-    drawn = [(pou.name, rung.id, _text(rung)) for pou in program.pous for rung in pou.rungs]
-    texts = [(pou.name, '1', repr(pou.statements)) for pou in program.pous if pou.statements]
-    return tuple(
-        RungEntry(pou=pou, rung=rung, digest=hashlib.blake2b(
-            text.encode('utf-8', 'surrogatepass'), digest_size=8).hexdigest())
-        for pou, rung, text in drawn + texts)
+def list_rungs(
+    program: Program, known: Mapping[int, RungEntry] = _NOTHING,
+) -> tuple[RungEntry, ...]:
+    """Return every rung as drawn, with a digest of its drawing; some, by ``id``, are known."""
+    drawn = [known.get(id(rung)) or _entry(pou, rung.id, _text(rung))
+             for pou, rung in _rungs(program)]
+    texts = [_entry(pou.name, '1', repr(pou.statements)) for pou in program.pous if pou.statements]
+    return (*drawn, *texts)
+
+
+def _entry(pou: str, rung: str, text: str) -> RungEntry:
+    return RungEntry(pou=pou, rung=rung, digest=hashlib.blake2b(
+        text.encode('utf-8', 'surrogatepass'), digest_size=8).hexdigest())
+
+
+def known_rungs(
+    before: Before, listed: Sequence[Sequence[RungEntry]], program: Program,
+) -> dict[int, RungEntry]:
+    """Return the entries of rungs, by ``id``, that the program before had in the same POU.
+
+    ``listed`` are all entries of that program, if they have been listed.
+    """
+    old = {id(rung): entry for entries in listed for (_, rung), entry in zip(
+        _rungs(before.program), entries, strict=False)}  # those of texts come last
+    return {id(rung): entry for pou, rung in _rungs(program)
+            if (entry := old.get(id(before.rung(rung)))) is not None and entry.pou == pou}
+
+
+def _rungs(program: Program) -> Iterator[tuple[str, Rung]]:
+    return ((pou.name, rung) for pou in program.pous for rung in pou.rungs)
 
 
 def _text(rung: Rung) -> str:
@@ -90,6 +115,12 @@ def _drawn(component: Component) -> tuple[object, ...]:
 
 def _settings(arguments: Sequence[Argument]) -> list[object]:
     return [(one.pin, one.operand, one.source, one.row) for one in arguments]
+
+
+def count_components(code: InstructionList) -> int:
+    """Return how many components there are, each in each instance of what it stands in."""
+    return sum([1 for routine in code.routines for network in routine.networks
+                for instruction in network.code if instruction.component])
 
 
 def list_routines(code: InstructionList, slots: Mapping[str, int]) -> tuple[RoutineEntry, ...]:

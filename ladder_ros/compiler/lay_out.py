@@ -25,7 +25,9 @@ from ladder_ros.model.program import (
     VariableClass,
 )
 from ladder_ros.model.types import DataType, default_value, Value
+from ladder_ros.nouns import maker
 
+_slot = maker(Slot)
 _CLASS = {
     VariableClass.INPUT: SlotClass.INPUT, VariableClass.OUTPUT: SlotClass.OUTPUT,
     VariableClass.LOCAL: SlotClass.LOCAL,
@@ -114,7 +116,7 @@ class _Layout:
     ) -> None:
         key = path.casefold()
         if key not in self.slots:
-            self._new(Slot(
+            self._new(_slot(
                 index=self.count, path=path, type=type_, slot_class=slot_class,
                 initial=initial, identity=identity or type_.value, quiet=quiet, senses=senses,
                 negated=negated))
@@ -141,7 +143,7 @@ class _Layout:
                 if len(sharing) > 1:
                     self._share(sharing, value, retain)
                     continue
-            self._new(Slot(
+            self._new(_slot(
                 index=self.count, path=path, type=type_, slot_class=slot_class,
                 initial=value, identity=type_.value, retain=retain, address=address,
                 comment=variable.comment, location=variable.location))

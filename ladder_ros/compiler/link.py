@@ -34,9 +34,14 @@ from ladder_ros.compiler.wiring import describe
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import ComponentEntry, Slot
 from ladder_ros.model.catalogue import CATALOGUE
+from ladder_ros.model.component import Component, Instance
 from ladder_ros.model.program import Composite, Program
 from ladder_ros.model.types import DataType
+from ladder_ros.nouns import maker
 
+_instruction = maker(Instruction)
+_network = maker(Network)
+_ref = maker(Ref)
 Code = Mapping[str, Sequence[Network]]
 """The networks of each POU, by its key."""
 
@@ -113,7 +118,7 @@ def _enter(
         chain = ' -> '.join((*outer, composite.name))
         raise LadderError.of('L0207', composite.location, name=composite.name, chain=chain)
     bindings: dict[str, Operand] = {
-        name.casefold(): Ref(path=name, type=DataType.BOOL) for name in composite.externals}
+        name.casefold(): _ref(path=name, type=DataType.BOOL) for name in composite.externals}
     bindings.update((name.casefold(), operand) for name, operand in call.inputs)
     return _Frame(
         name=call.instance, key=pou_key(composite), prefix=f'{call.instance}.',
@@ -137,7 +142,7 @@ def _place(network: Network, frame: _Frame) -> Network:
         if belongs_to_body(old.path) and not frame.prefix:
             # Bodies share the program's names, but not what the compiler adds for their rungs.
             kind, _, rest = old.path.partition('.')
-            return Ref(path=f'{kind}.{frame.name}.{rest}', type=old.type)
+            return _ref(path=f'{kind}.{frame.name}.{rest}', type=old.type)
         return substitute(old, frame.prefix, frame.bindings)
 
     def ref(old: Ref) -> Ref:
@@ -158,17 +163,20 @@ def _place(network: Network, frame: _Frame) -> Network:
 
     def instance(old: str) -> str:
         """Name an instance; one that is passed in, or global, keeps its own path."""
-        new = operand(Ref(path=old, type=DataType.BOOL))
+        new = operand(_ref(path=old, type=DataType.BOOL))
         return new.path if isinstance(new, Ref) else frame.prefix + old
 
     def instruction(old: Instruction) -> Instruction:
         if old.memory is None and old.target is None and old.call is None and not old.label:
-            if old.operand is None and not old.component:
+            about, component = old.operand, old.component
+            if about is None and not component:
                 return old
-            return Instruction(
-                op=old.op, operand=operand(old.operand) if old.operand is not None else None,
-                component=start + old.component if old.component else '')
-        return Instruction(
+            if about is not None and not (
+                    is_plain and type(about) is Ref and about.path[:1] != '%'):
+                about = operand(about)
+            return _instruction(
+                op=old.op, operand=about, component=start + component if component else '')
+        return _instruction(
             op=old.op, operand=operand(old.operand) if old.operand is not None else None,
             memory=ref(old.memory) if old.memory is not None else None,
             target=target(old.target) if old.target is not None else None,
@@ -176,7 +184,39 @@ def _place(network: Network, frame: _Frame) -> Network:
             component=start + old.component if old.component else '')
 
     start = f'{frame.path}/{network.rung}/'
-    return replace(network, code=tuple([instruction(old) for old in network.code]))
+    return _network(
+        rung=network.rung, code=tuple([instruction(old) for old in network.code]),
+        comment=network.comment, labels=network.labels)
+
+
+class _Drawn:
+    """The components of a program by their paths.
+
+    Those in rungs are the program's: a graph that was taken over from an earlier program has
+    components of that one, which stood in other lines of the file.
+    """
+
+    def __init__(self, program: Program, graphs: Mapping[str, Sequence[Aov]]) -> None:
+        self._rungs = {(pou_key(pou), rung.id): rung
+                       for pou in program.pous for rung in pou.rungs if rung.wires is None}
+        self._known: dict[tuple[str, str], Mapping[str, Component]] = {
+            (key, aov.rung): {symbol.path: symbol.component for symbol in aov.symbols}
+            for key, aovs in graphs.items() for aov in aovs
+            if (key, aov.rung) not in self._rungs}
+
+    def component(self, pou: str, rung: str, path: str) -> Component:
+        """Return a component; a path has the instances of inline composites that it is in."""
+        place = pou, rung
+        known = self._known.get(place)
+        if known is None:
+            known = self._known[place] = {c.id: c for c in self._rungs[place].components}
+        component = known.get(path)
+        if component is not None:
+            return component
+        instance, inner, rest = path.split('/', 2)
+        outer = known[instance]
+        assert isinstance(outer, Instance)
+        return self.component(f'composite {outer.composite.casefold()}', inner, rest)
 
 
 def list_components(
@@ -184,9 +224,7 @@ def list_components(
     slots: Mapping[str, Slot],
 ) -> tuple[ComponentEntry, ...]:
     """Return every component instance that does something, in the order of the code."""
-    parts = {
-        (key, aov.rung): {symbol.path: symbol.component for symbol in aov.symbols}
-        for key, aovs in graphs.items() for aov in aovs}
+    drawn = _Drawn(program, graphs)
     key_of = {(True, body.name): pou_key(body) for body in program.bodies}
     start_of = {(True, body.name): f'{body.name}/' for body in program.bodies}
     entries: list[ComponentEntry] = []
@@ -194,7 +232,6 @@ def list_components(
         routine_id = (routine.is_body, routine.name)
         key, start = key_of[routine_id], start_of[routine_id]
         for network in routine.networks:
-            known = parts.get((key, network.rung), {})
             above = len(start) + len(network.rung) + 1
             for instruction in network.code:
                 if instruction.op in (Op.EXE, Op.RUN) and instruction.call is not None:
@@ -203,7 +240,7 @@ def list_components(
                     start_of[inner] = f'{instruction.component or instruction.call.instance}/'
                 if not instruction.component:
                     continue
-                component = known[instruction.component[above:]]
+                component = drawn.component(key, network.rung, instruction.component[above:])
                 entries.append(ComponentEntry(
                     index=len(entries), path=instruction.component, kind=describe(component),
                     location=component.location, slots=tuple(_slots_of(instruction, slots))))

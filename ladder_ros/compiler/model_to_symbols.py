@@ -21,13 +21,10 @@ from ladder_ros.compiler.symbols import (
     Symbol,
     Symbols,
 )
-from ladder_ros.compiler.unchanged import same_rungs
+from ladder_ros.compiler.unchanged import Before, same_rungs
 from ladder_ros.diagnostics import Diagnostic, Location, problem
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
-from ladder_ros.model.component import (
-    Block,
-    Instance,
-)
+from ladder_ros.model.component import Block, Component, Instance
 from ladder_ros.model.names import why_illegal
 from ladder_ros.model.program import (
     Composite,
@@ -39,17 +36,24 @@ from ladder_ros.model.program import (
     Variable,
     VariableClass,
 )
+from ladder_ros.nouns import maker
+
+_rung_resolver = maker(RungResolver)
+_symbol = maker(Symbol)
+
+_ALIKE = 4096
+"""So many ids of components, which rungs have alike, are looked at once."""
 
 _DEFINITIONS = 256
 """So many definitions from libraries are resolved once, whoever uses them."""
 
 
 def resolve_symbols(
-    program: Program, before: tuple[Program, Symbols] | None = None,
+    program: Program, before: Before | None = None,
 ) -> tuple[Symbols, tuple[Diagnostic, ...]]:
     """Return the program's symbols and everything that is wrong with its names and types.
 
-    ``before`` is an earlier program and its symbols: what they say of rungs is taken over.
+    What the symbols ``before`` say of rungs is taken over.
     """
     resolver = _Resolver(program=program, before=before)
     return resolver.run(), tuple(resolver.found)
@@ -58,11 +62,12 @@ def resolve_symbols(
 @dataclass(slots=True, kw_only=True)
 class _Resolver:
     program: Program
-    before: tuple[Program, Symbols] | None = None
+    before: Before | None = None
     found: list[Diagnostic] = field(default_factory=list)
     noted: set[int] = field(default_factory=set)
     resolved: dict[tuple[str, str], Mapping[str, Resolved]] = field(default_factory=dict)
     composites: dict[str, Composite] = field(default_factory=dict)
+    interfaces: dict[str, Mapping[str, Parameter]] = field(default_factory=dict)
 
     @property
     def imported(self) -> bool:
@@ -100,7 +105,7 @@ class _Resolver:
         shared = self._program_scope()
         for body in program.bodies:
             scopes[f'body {body.name.casefold()}'] = replace(shared, pou=body.name)
-        same = {} if self.before is None else same_rungs(*self.before, program, scopes)
+        same = {} if self.before is None else same_rungs(self.before, program, scopes)
         for pou in program.pous:
             if id(pou) in known:
                 self.resolved.update(known[id(pou)].resolved)
@@ -118,6 +123,13 @@ class _Resolver:
         return _names_of(_Definition(
             ids=(id(composite), *(id(definition) for definition in inner.values())),
             composite=composite, inner=inner))
+
+    def _by_id(self, rung: Rung) -> list[tuple[str, Component]]:
+        """Return the components of a rung, each with its casefolded id."""
+        found = [(_folded(c.id), c) for c in rung.components]
+        if len(dict(found)) < len(found):
+            self._unique(((c.id, c.location) for c in rung.components), is_id=True)
+        return found
 
     def _unique(
         self, names: Iterable[tuple[str, Location]], taken: dict[str, Location] | None = None,
@@ -175,13 +187,13 @@ class _Resolver:
             fixed = 'it is a constant'
         elif variable.variable_class is VariableClass.INPUT and not self.imported:
             fixed = 'it is an input; copy it to a local variable if the program must change it'
-        return Symbol(name=variable.name, type=variable.type, why_fixed=fixed)
+        return _symbol(name=variable.name, type=variable.type, why_fixed=fixed)
 
     def _parameter(self, parameter: Parameter) -> Symbol:
         fixed = ''
         if parameter.direction is Direction.INPUT and not self.imported:
             fixed = 'it is an input parameter; make it inout if the composite must write it'
-        return Symbol(
+        return _symbol(
             name=parameter.name, type=parameter.type, is_parameter=True, why_fixed=fixed)
 
     def _composite_scope(self, composite: Composite) -> Scope:
@@ -267,26 +279,27 @@ class _Resolver:
         self._unique(((r.id, r.location) for r in pou.rungs), is_id=True)
         contacts: dict[str, Resolved] = {}
         refs: dict[str, Ref] = {}
+        targets: dict[str, Ref] = {}
         key = pou_key(pou)
         for rung in pou.rungs:
             if id(rung) in same:
                 assert self.before is not None
                 place = key, rung.id.casefold()
-                self.resolved[place] = self.before[1].resolved[place]
+                self.resolved[place] = self.before.symbols.resolved[place]
                 continue
             before = len(self.found)
-            self._unique(((c.id, c.location) for c in rung.components), is_id=True)
+            components = self._by_id(rung)
             if rung.wires is not None:
                 continue
-            by_id = {c.id.casefold(): c for c in rung.components}
-            in_rung = RungResolver(
-                report=self.report, scope=scope, rung=rung, by_id=by_id,
-                composites=self.composites, contacts=contacts, refs=refs)
+            in_rung = _rung_resolver(
+                report=self.report, scope=scope, rung=rung, by_id=dict(components),
+                composites=self.composites, contacts=contacts, refs=refs, targets=targets,
+                interfaces=self.interfaces)
             found: dict[str, Resolved] = {}
-            for component in rung.components:
+            for identifier, component in components:
                 resolved = in_rung.resolve(component)
                 if resolved is not None:
-                    found[component.id.casefold()] = resolved
+                    found[identifier] = resolved
             self.resolved[key, rung.id.casefold()] = found
             if len(self.found) > before:
                 self.noted.add(id(rung))
@@ -318,6 +331,11 @@ def _names_of(definition: _Definition) -> _Names | None:
     scope = resolver._composite_scope(composite)
     resolver._resolve_pou(composite, scope, {})
     return None if resolver.found else _Names(scope=scope, resolved=resolver.resolved)
+
+
+@lru_cache(_ALIKE)
+def _folded(identifier: str) -> str:
+    return identifier.casefold()
 
 
 def _instances(composite: Composite) -> Iterable[Instance]:

@@ -33,7 +33,11 @@ from ladder_ros.model.component import (
     Side,
 )
 from ladder_ros.model.program import Rung
+from ladder_ros.nouns import maker
 
+_line = maker(Line)
+_part = maker(Part)
+_wiring = maker(Wiring)
 Point = tuple[int, int]
 
 _ALIKE = 4096
@@ -71,6 +75,9 @@ class _Drawing:
     ends_in_output: bool
 
 
+_new_drawing = maker(_Drawing)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Connections:
     """The wiring of rungs that are drawn alike: components by their places in the rung."""
@@ -85,11 +92,11 @@ class _Connections:
         """Return the wiring of one of them."""
         components = rung.components
         ids = [component.id for component in components]
-        return Wiring(
+        return _wiring(
             rung=rung, nets=self.nets,
-            parts=tuple([Part(component=components[place], left=left, right=right)
+            parts=tuple([_part(component=components[place], left=left, right=right)
                          for place, left, right in self.parts]),
-            lines=tuple([Line(component=components[place], source=source, target=target)
+            lines=tuple([_line(component=components[place], source=source, target=target)
                          for place, source, target in self.lines]),
             series=tuple([(ids[one], ids[other]) for one, other in self.series]),
             parallel=tuple([(ids[one], ids[other]) for one, other in self.parallel]),
@@ -102,7 +109,7 @@ def _drawing(rung: Rung, ends_in_output: bool) -> _Drawing | None:
     count = len(components)
     if count > _SMALL or len({component.id for component in components}) < count:
         return None
-    return _Drawing(rung=rung, ends_in_output=ends_in_output, key=(rung.width, tuple([
+    return _new_drawing(rung=rung, ends_in_output=ends_in_output, key=(rung.width, tuple([
         (type(component), component.placement,
          _pins(component) if isinstance(component, (Block, Instance)) else None)
         for component in components])))
@@ -304,16 +311,16 @@ class _Analyser:
                 continue
             left, right = sides[component.id]
             if isinstance(component, Row):
-                lines.append(Line(component=component, source=left[0].net, target=right[0].net))
+                lines.append(_line(component=component, source=left[0].net, target=right[0].net))
             else:
-                parts.append(Part(component=component, left=tuple(left), right=tuple(right)))
+                parts.append(_part(component=component, left=tuple(left), right=tuple(right)))
         parts.sort(key=lambda part: (
             part.component.placement.y, part.component.placement.x, part.component.id))
         by_id = {c.id: c for c in self.rung.components}
         parallel = dict.fromkeys(
             pair for pair in self.parallel
             if not any(isinstance(by_id[i], Column) for i in pair))
-        return Wiring(rung=self.rung, nets=nets, parts=tuple(parts), lines=tuple(lines),
+        return _wiring(rung=self.rung, nets=nets, parts=tuple(parts), lines=tuple(lines),
                       series=self._series(), parallel=tuple(parallel))
 
     def _series(self) -> tuple[tuple[str, str], ...]:

@@ -7,13 +7,13 @@ components -> connections -> AOV graph -> AND/OR tree -> instruction list -> exe
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeVar
 from weakref import ref
 
-from ladder_ros.compiler.access_keys import access_key
+from ladder_ros.compiler.access_keys import access_key, storage_key
 from ladder_ros.compiler.aov import Aov
 from ladder_ros.compiler.aov_to_tree import reduce_to_tree, sequence
 from ladder_ros.compiler.backends import (
@@ -29,7 +29,13 @@ from ladder_ros.compiler.il import Network
 from ladder_ros.compiler.il_verify import verify_il
 from ladder_ros.compiler.imported import is_imported, lowering_of, needed_pous, unsupported_bodies
 from ladder_ros.compiler.inline_composites import expand_inline
-from ladder_ros.compiler.inventory import list_routines, list_rungs, list_tasks
+from ladder_ros.compiler.inventory import (
+    count_components,
+    known_rungs,
+    list_routines,
+    list_rungs,
+    list_tasks,
+)
 from ladder_ros.compiler.lay_out import lay_out, lay_out_variables, VariableSlots
 from ladder_ros.compiler.link import link_code, Linked, list_components
 from ladder_ros.compiler.llvm_machine import why_missing
@@ -47,6 +53,7 @@ from ladder_ros.compiler.stub_blocks import stub_unknown_blocks
 from ladder_ros.compiler.symbols import pou_key, Symbols
 from ladder_ros.compiler.tree import Forest
 from ladder_ros.compiler.tree_to_il import lower_to_il
+from ladder_ros.compiler.unchanged import Before
 from ladder_ros.compiler.wired_types import declare_missing
 from ladder_ros.compiler.wires_to_aov import build_wired_aovs
 from ladder_ros.compiler.wiring import Wiring
@@ -58,6 +65,7 @@ from ladder_ros.executable import (
     Executable,
     Lanes,
     Later,
+    RungEntry,
     Scan,
     Slot,
     Variant,
@@ -66,6 +74,7 @@ from ladder_ros.garbage import collected_later
 from ladder_ros.model.component import Instance
 from ladder_ros.model.program import Body, CallKind, Pou, Program, Rung, RunKind
 
+_NOTHING: Mapping[int, Rung] = {}
 _T = TypeVar('_T')
 
 
@@ -98,6 +107,7 @@ class Work:  # without slots, as it is referred to weakly
     linked: Linked
     variables: VariableSlots
     emitted: Emitted
+    rungs: Later[RungEntry]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,13 +129,15 @@ class Compilation:
 @collected_later()
 def compile_program(
     program: Program, *, backend: str = 'python', source_hash: str = '', stubs: bool = False,
-    earlier: Work | None = None, again: Callable[[], Program] | None = None,
+    earlier: Work | None = None, moved: Mapping[int, Rung] = _NOTHING,
+    again: Callable[[], Program] | None = None,
 ) -> Compilation:
     """Compile a program; ``source_hash`` identifies the file it came from.
 
     With ``stubs`` an unknown block of an imported drawing gets a stand-in instead of an error.
     ``earlier`` is a compilation's work: rungs that are the same objects in both programs, as an
-    edit leaves them, are not compiled again where the names they use mean what they meant.
+    edit leaves them, are not compiled again where the names they use mean what they meant.  Nor
+    are rungs that have only ``moved`` in their file: what they were, by ``id``.
     ``again`` gives the program once more: then the executable keeps nothing that scans do not
     need, and what else is asked of it, other variants too, is compiled then.
 
@@ -136,7 +148,7 @@ def compile_program(
     backend, missing = _available(program, backend)
     completely = partial(completed, stubs=stubs)
     program = completely(program)
-    work = _work(program, earlier)
+    work = _work(program, earlier, moved)
     code, symbols = work.linked.code, work.stages.symbols
     by_path = lay_out(program, symbols, code, work.variables)
     index = {path: slot.index for path, slot in by_path.items()}
@@ -145,13 +157,14 @@ def compile_program(
     form = StateForm(layout_of(code, slots, index)) if backend == 'native' else None
     builder = _Builder(by_path, form, work, partial(_once_more, again, completely) if (
         again is not None) else None)
-    components = Later(builder.components)
+    components = Later(
+        builder.components, lambda: count_components(builder.work().linked.code))
     executable = Executable(
         name=program.name, backend=backend, slots=slots, make_state=form or list,
         components=components, source_hash=source_hash,
         build=lambda variant: builder.build(variant, BACKENDS[backend]),
         entries=tuple(_entry(program, body) for body in program.bodies), by_path=by_path,
-        tasks=tasks, rungs=Later(lambda: list_rungs(builder.work().program)),
+        tasks=tasks, rungs=Later(lambda: tuple(builder.work().rungs)),
         routines=list_routines(code, index),
         lanes=None if form is None else lambda: builder.lanes(slots))
     return Compilation(
@@ -162,9 +175,13 @@ def compile_program(
         native=None if form is None else builder.native)
 
 
-def _work(program: Program, earlier: Work | None) -> Work:
+def _work(
+    program: Program, earlier: Work | None = None, moved: Mapping[int, Rung] = _NOTHING,
+) -> Work:
     """Do all that has nothing to do with a backend.  Raises LadderError."""
-    stages = analyse(program, earlier)
+    before = None if earlier is None else Before(
+        program=earlier.program, symbols=earlier.stages.symbols, moved=moved)
+    stages = analyse(program, earlier, before)
     if has_errors(stages.diagnostics):
         raise LadderError(stages.diagnostics)
     if not program.bodies:
@@ -173,8 +190,11 @@ def _work(program: Program, earlier: Work | None) -> Work:
     coded = {**code_rungs(program, stages, earlier), **stages.texts}
     linked = link_code(program, coded, earlier.linked if earlier is not None else None)
     verify_il(linked.code, earlier.linked.code if earlier is not None else None)
+    listed = {} if earlier is None or before is None else known_rungs(
+        before, earlier.rungs.made(), program)
     return Work(
-        program=program, stages=stages, coded=coded, linked=linked,
+        program=program, rungs=Later(lambda: list_rungs(program, listed)), stages=stages,
+        coded=coded, linked=linked,
         variables=lay_out_variables(program, earlier.variables if earlier is not None else None),
         emitted=Emitted(earlier.emitted.pieces if earlier is not None else None))
 
@@ -182,7 +202,7 @@ def _work(program: Program, earlier: Work | None) -> Work:
 def _once_more(
     again: Callable[[], Program], completely: Callable[[Program], Program],
 ) -> Work:
-    return _work(completely(again()), None)
+    return _work(completely(again()))
 
 
 class _Builder:
@@ -274,10 +294,14 @@ def check_program(program: Program, *, stubs: bool = False) -> tuple[Diagnostic,
 
 # -- the stages -----------------------------------------------------------------------------
 
-def analyse(program: Program, earlier: Work | None = None) -> Stages:
-    """Resolve names, analyse connections and build the graphs, as far as errors allow."""
-    symbols, found = resolve_symbols(
-        program, None if earlier is None else (earlier.program, earlier.stages.symbols))
+def analyse(
+    program: Program, earlier: Work | None = None, before: Before | None = None,
+) -> Stages:
+    """Resolve names, analyse connections and build the graphs, as far as errors allow.
+
+    What ``earlier`` work was done on a program ``before`` is taken over.
+    """
+    symbols, found = resolve_symbols(program, before)
     found = program.warnings + found
     wirings: dict[str, Sequence[Wiring | None]] = {}
     noted: set[int] = set()
@@ -370,12 +394,8 @@ def _uses(rung: Rung, composites: Mapping[str, object]) -> bool:
 class _Same:
     """The rungs of a POU that are as they were in an earlier compilation, and its work on them."""
 
-    def __init__(
-        self, places: Mapping[int, int], noted: Container[int] = (),
-        graphs: Sequence[Aov] = (),
-    ) -> None:
+    def __init__(self, places: Mapping[int, int], graphs: Sequence[Aov] = ()) -> None:
         self._places = places
-        self._noted = noted
         self.graphs = graphs
 
     @classmethod
@@ -384,11 +404,16 @@ class _Same:
         if earlier is None or key not in symbols.same:
             return cls({})
         stages = earlier.stages
-        return cls(symbols.same[key], stages.noted, stages.graphs[key])
+        places = symbols.same[key]
+        if stages.noted:
+            rungs = next(pou.rungs for pou in earlier.program.pous if pou_key(pou) == key)
+            places = {now: place for now, place in places.items()
+                      if id(rungs[place]) not in stages.noted}
+        return cls(places, stages.graphs[key])
 
     def place(self, rung: Rung) -> int | None:
         """Return the place of a rung among the POU's then; None: it has to be compiled."""
-        return None if id(rung) in self._noted else self._places.get(id(rung))
+        return self._places.get(id(rung))
 
 
 def build_trees(
@@ -412,9 +437,7 @@ def code_rungs(
 ) -> dict[str, Sequence[Network]]:
     """Return each POU's code; as ``lower(build_trees(program, stages))``."""
     coded: dict[str, Sequence[Network]] = {}
-    is_stored_alike = earlier is not None and (
-        [v for v in earlier.program.variables if v.address]
-        == [v for v in program.variables if v.address])
+    is_stored_alike = earlier is not None and _stored(earlier.program) == _stored(program)
     for pou in program.pous:
         key = pou_key(pou)
         if key not in stages.graphs or _is_inline(pou):
@@ -427,6 +450,10 @@ def code_rungs(
         coded[key] = [known.get(id(aov)) or code_rung(aov, storage)
                       for aov in stages.graphs[key]]
     return coded
+
+
+def _stored(program: Program) -> list[tuple[str, str]]:
+    return [(v.name, storage_key(v)) for v in program.variables if v.address]
 
 
 def build_sequences(stages: Stages) -> dict[str, Sequence[Forest]]:

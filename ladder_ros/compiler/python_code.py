@@ -18,6 +18,7 @@ from zlib import crc32
 
 from ladder_ros.compiler.il import Network, Routine
 from ladder_ros.executable import Scan
+from ladder_ros.nouns import maker
 
 FILE = '<ladder program>'
 _LEAST_NETWORKS, _MOST_NETWORKS = 10, 100
@@ -144,6 +145,29 @@ def _moved(before: Mapping[str, int], now: Mapping[str, int]) -> list[int] | Non
         if new >= 0:
             places[old] = new
     return places
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StackValue:
+    """An expression on the stack of a function that is being generated.
+
+    ``reads`` are the slots that it reads; ``kind`` is its outermost operator ('', 'or', 'and'),
+    ``depth`` how deeply its parentheses nest.
+    """
+
+    text: str
+    reads: frozenset[int] = frozenset()
+    kind: str = ''
+    depth: int = 0
+
+    def inside(self, kind: str) -> tuple[str, int]:
+        """Return the text as an operand of an operator, and its depth."""
+        if self.kind == 'or' and kind != 'or':
+            return f'({self.text})', self.depth + 1
+        return self.text, self.depth
+
+
+stack_value = maker(StackValue)
 
 
 class Emitted:

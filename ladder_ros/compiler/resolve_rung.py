@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 import difflib
 import re
@@ -25,6 +25,7 @@ from ladder_ros.model.component import (
 from ladder_ros.model.derived import elementary
 from ladder_ros.model.program import Composite, Direction, Parameter, Rung
 from ladder_ros.model.types import DataType, INTEGER_RANGE, parse_literal
+from ladder_ros.nouns import maker
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
@@ -36,6 +37,8 @@ def suggestion(name: str, known: Iterable[str]) -> str:
 
 Report = Callable[..., None]
 
+_ref = maker(Ref)
+_resolved = maker(Resolved)
 _NOTHING = Resolved()
 
 
@@ -52,23 +55,27 @@ class RungResolver:
     """What the POU's contacts refer to, by their operands."""
     refs: dict[str, Ref]
     """The variables that the POU's operands have turned out to be."""
+    targets: dict[str, Ref]
+    """Those that may be written."""
+    interfaces: dict[str, Mapping[str, Parameter]]
+    """The parameters of composites, by casefolded names of both."""
     function_types: dict[str, DataType | None] = field(default_factory=dict)
 
     def resolve(self, component: Component) -> Resolved | None:
         """Return what the component refers to, or None after reporting why that is impossible."""
-        if isinstance(component, (Row, Column)):
-            return _NOTHING
         if isinstance(component, Contact):
             resolved = self.contacts.get(component.operand)
             if resolved is None:
                 operand = self.operand(component.operand, component.location, DataType.BOOL)
                 if operand is None:
                     return None
-                resolved = self.contacts[component.operand] = Resolved(operand=operand)
+                resolved = self.contacts[component.operand] = _resolved(operand=operand)
             return resolved
+        if isinstance(component, (Row, Column)):
+            return _NOTHING
         if isinstance(component, Coil):
             target = self.target(component.operand, component.location, DataType.BOOL)
-            return Resolved(operand=target) if target is not None else None
+            return _resolved(operand=target) if target is not None else None
         if isinstance(component, Block):
             return self._block(component)
         if isinstance(component, Instance):
@@ -94,6 +101,9 @@ class RungResolver:
 
     def target(self, text: str, location: Location, expected: DataType | None) -> Ref | None:
         """Resolve something that is written: a variable that may be."""
+        known = self.targets.get(text)
+        if known is not None and known.type is expected:
+            return known
         if _looks_literal(text):
             self.report('L0211', location, name=text, reason='it is a literal; name a variable')
             return None
@@ -105,20 +115,21 @@ class RungResolver:
         if reason:
             self.report('L0211', location, name=text, reason=reason)
             return None
+        self.targets[text] = operand
         return operand
 
     def _variable(self, text: str, location: Location) -> Ref | None:
         symbol = self.scope.symbols.get(text.casefold())
         type_ = elementary(symbol.type) if symbol is not None else None
         if symbol is not None and type_ is not None:
-            return Ref(path=symbol.name, type=type_)
+            return _ref(path=symbol.name, type=type_)
         instance, _, pin_name = text.partition('.')
         block = self.scope.blocks.get(instance.casefold())
         if block is not None and pin_name:
             spelled, kind = block
             pin = kind.output(pin_name)
             if pin is not None and isinstance(pin.type, DataType):
-                return Ref(path=f'{spelled}.{pin.name}', type=pin.type)
+                return _ref(path=f'{spelled}.{pin.name}', type=pin.type)
             self.report('L0209', location, owner=f'{spelled} ({kind.name})', pin=pin_name,
                         known=', '.join(p.name for p in kind.outputs))
             return None
@@ -158,7 +169,7 @@ class RungResolver:
         component, kind, pin = found
         if not kind.is_function:
             assert isinstance(pin.type, DataType)
-            return Ref(path=f'{component.instance}.{pin.name}', type=pin.type), component.id
+            return _ref(path=f'{component.instance}.{pin.name}', type=pin.type), component.id
         type_ = pin.type if isinstance(pin.type, DataType) else self._function_type(component)
         if type_ is None:
             return None
@@ -250,7 +261,7 @@ class RungResolver:
         outputs = self._outputs(block, kind, generic)
         if inputs is None or outputs is None:
             return None
-        return Resolved(inputs=inputs, outputs=outputs, type=generic, sources=sources,
+        return _resolved(inputs=inputs, outputs=outputs, type=generic, sources=sources,
                         block=kind.name)
 
     def _at_time(self, block: Block, kind: BlockKind) -> BlockKind:
@@ -383,7 +394,8 @@ class RungResolver:
         return False
 
     def _instance(self, instance: Instance) -> Resolved | None:
-        composite = self.composites.get(instance.composite.casefold())
+        key = instance.composite.casefold()
+        composite = self.composites.get(key)
         if composite is None:
             self.report('L0206', instance.location, name=instance.composite, hint=suggestion(
                 instance.composite, (c.name for c in self.composites.values())))
@@ -393,7 +405,10 @@ class RungResolver:
                         what='needs an instance name',
                         reason='add instance="..." to name its state')
             return None
-        parameters = {p.name.casefold(): p for p in composite.parameters}
+        parameters = self.interfaces.get(key)
+        if parameters is None:
+            parameters = self.interfaces[key] = {
+                p.name.casefold(): p for p in composite.parameters}
         bound: dict[str, Operand] = {}
         sources: list[str] = []
         owner = f'{instance.instance} ({composite.name})'
@@ -413,7 +428,7 @@ class RungResolver:
                     bound[parameter.name] = operand
                 fine = fine and operand is not None
         given = {argument.pin.casefold() for argument in instance.arguments}
-        for parameter in composite.parameters:
+        for parameter in composite.parameters if len(bound) < len(parameters) else ():
             if parameter.name.casefold() in given:
                 continue
             if parameter.default is None:
@@ -424,7 +439,7 @@ class RungResolver:
                 bound[parameter.name] = _default(parameter)
         if not fine:
             return None
-        return Resolved(inputs=tuple(bound.items()), sources=tuple(sources))
+        return _resolved(inputs=tuple(bound.items()), sources=tuple(sources))
 
     def _bind(
         self, argument: Argument, parameter: Parameter, sources: list[str],

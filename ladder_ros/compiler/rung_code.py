@@ -16,6 +16,7 @@ from ladder_ros.compiler.aov import Aov
 from ladder_ros.compiler.aov_to_tree import reduce_alike, reduce_to_tree
 from ladder_ros.compiler.il import Network
 from ladder_ros.compiler.tree_to_il import lower_alike, lower_to_il, Plan, plan_code
+from ladder_ros.nouns import maker
 
 _DRAWINGS = 1024
 """So many drawings are known again, in whichever rung."""
@@ -23,7 +24,7 @@ _DRAWINGS = 1024
 
 def code_rung(aov: Aov, access_key: AccessKey) -> Network:
     """Return the code of a rung; the same as ``lower_to_il(reduce_to_tree(aov, access_key))``."""
-    plan = _known_plan(_Alike(likeness=aov.likeness, aov=aov)) if aov.likeness else None
+    plan = _known_plan(_alike(likeness=aov.likeness, aov=aov)) if aov.likeness else None
     if plan is None:
         return lower_to_il(reduce_to_tree(aov, access_key))
     return lower_alike(plan, aov)
@@ -35,6 +36,9 @@ class _Alike:
 
     likeness: object
     aov: Aov = field(compare=False)
+
+
+_alike = maker(_Alike)
 
 
 @lru_cache(_DRAWINGS)

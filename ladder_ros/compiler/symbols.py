@@ -12,6 +12,7 @@ from ladder_ros.model.derived import Type
 from ladder_ros.model.program import Composite
 from ladder_ros.model.program import pou_key as pou_key
 from ladder_ros.model.types import DataType, format_literal, Value
+from ladder_ros.nouns import maker
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,6 +27,9 @@ class Ref:
 
     def __str__(self) -> str:
         return self.path
+
+
+_ref = maker(Ref)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -141,12 +145,12 @@ class Symbols:
 
 def edge_memory(rung: str, component: str) -> Ref:
     """Return the hidden variable in which an edge contact or coil remembers the last value."""
-    return Ref(path=f'%edge.{rung}.{component}', type=DataType.BOOL)
+    return _ref(path=f'%edge.{rung}.{component}', type=DataType.BOOL)
 
 
 def data_slot(rung: str, component: str, pin: str, type_: DataType) -> Ref:
     """Return the hidden variable that carries a direct data connection from a function's pin."""
-    return Ref(path=f'%data.{rung}.{component}.{pin}', type=type_)
+    return _ref(path=f'%data.{rung}.{component}.{pin}', type=type_)
 
 
 def author_path(path: str) -> str:
@@ -170,7 +174,7 @@ def _bound(ref: Ref, bindings: Mapping[str, Operand]) -> Operand | None:
         if character in '.[':
             whole = bindings.get(path[:end])
             if isinstance(whole, Ref):
-                return Ref(path=whole.path + ref.path[end:], type=ref.type)
+                return _ref(path=whole.path + ref.path[end:], type=ref.type)
     return None
 
 
@@ -192,5 +196,5 @@ def substitute(
         return operand
     bound = _bound(operand, bindings)
     if isinstance(bound, Ref):
-        return Ref(path=bound.path, type=operand.type)
-    return bound if bound is not None else Ref(path=prefix + operand.path, type=operand.type)
+        return _ref(path=bound.path, type=operand.type)
+    return bound if bound is not None else _ref(path=prefix + operand.path, type=operand.type)

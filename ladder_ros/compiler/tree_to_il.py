@@ -42,7 +42,11 @@ from ladder_ros.model.component import (
     Jump,
 )
 from ladder_ros.model.types import DataType
+from ladder_ros.nouns import maker
 
+_instruction = maker(Instruction)
+_network = maker(Network)
+_new_call = maker(Call)
 _EXECUTE = 200_000
 """Temporaries of EXECUTE boxes count from here."""
 
@@ -90,7 +94,7 @@ def lower_to_il(forest: Forest) -> Network:
         code.append(_BARE[Op.DRP])
     for symbol in jumps:
         code += _jump_instructions(symbol)
-    return Network(rung=forest.rung, code=tuple(code), comment=forest.comment,
+    return _network(rung=forest.rung, code=tuple(code), comment=forest.comment,
                    labels=forest.labels)
 
 
@@ -106,7 +110,7 @@ def plan_code(forest: Forest) -> Plan:
 
 def lower_alike(plan: Plan, aov: Aov) -> Network:
     """Return a rung's code by the plan of another one, whose graph is of the same likeness."""
-    return Network(rung=aov.rung, code=tuple(_executed(plan, aov.symbols)), comment=aov.comment)
+    return _network(rung=aov.rung, code=tuple(_executed(plan, aov.symbols)), comment=aov.comment)
 
 
 def _executed(plan: Plan, symbols: Sequence[SymbolVertex] | None) -> list[Instruction]:
@@ -119,13 +123,13 @@ def _executed(plan: Plan, symbols: Sequence[SymbolVertex] | None) -> list[Instru
         node = step.node
         symbol = node.symbol if symbols is None else symbols[node.symbol.id]
         if isinstance(node, Pin):
-            code.append(Instruction(op=Op(step.operator), operand=pin_operand(symbol, node.pin)))
+            code.append(_instruction(op=Op(step.operator), operand=pin_operand(symbol, node.pin)))
             continue
         if symbol.prelude:
             code += symbol.prelude
         component = symbol.component
         if isinstance(component, Contact):
-            code.append(Instruction(
+            code.append(_instruction(
                 op=_CONTACT[step.operator, component.kind], operand=symbol.resolved.operand,
                 memory=symbol.memory, component=symbol.path))
         else:
@@ -137,8 +141,8 @@ def _jump_instructions(symbol: SymbolVertex) -> list[Instruction]:
     """Jump at the end of a network, as the power that was kept says (IEC 61131-3, 8.1.4)."""
     assert isinstance(symbol.component, Jump)
     label = symbol.component.label
-    return [Instruction(op=Op.LD, operand=temporary(_JUMP + symbol.id)),
-            Instruction(op=Op.JMP if label else Op.RET, label=label)]
+    return [_instruction(op=Op.LD, operand=temporary(_JUMP + symbol.id)),
+            _instruction(op=Op.JMP if label else Op.RET, label=label)]
 
 
 @dataclass(slots=True)
@@ -185,11 +189,11 @@ class _Lowering:
                 return [_Start(tree.left), single]
             return [_Start(tree.left), _Start(tree.right), _BARE[Op.ORB]]
         if isinstance(tree, Load):
-            return [Instruction(op=Op.LD, operand=temporary(tree.temporary))]
+            return [_instruction(op=Op.LD, operand=temporary(tree.temporary))]
         single = _contact(tree, 'LD')
         if single is not None:
             return [single]
-        return [Instruction(op=Op.LD, operand=_TRUE), _Continue(tree)]
+        return [_instruction(op=Op.LD, operand=_TRUE), _Continue(tree)]
 
     def _continue(self, tree: Tree) -> list[_Work]:
         if isinstance(tree, And):
@@ -204,8 +208,8 @@ class _Lowering:
             return []
         if isinstance(tree, Save):
             cell = temporary(tree.temporary)
-            store = Instruction(op=Op.ST, operand=cell)
-            return [Instruction(op=Op.OR, operand=cell), store] if tree.joins else [store]
+            store = _instruction(op=Op.ST, operand=cell)
+            return [_instruction(op=Op.OR, operand=cell), store] if tree.joins else [store]
         assert isinstance(tree, (Leaf, Pin))
         return [_contact(tree, 'AND') or Evaluate(node=tree)]
 
@@ -267,20 +271,20 @@ def _transfer_instructions(
 ) -> list[Instruction]:
     component = symbol.component
     if isinstance(component, Coil):
-        return [Instruction(op=_STORE[component.kind], operand=symbol.resolved.operand,
+        return [_instruction(op=_STORE[component.kind], operand=symbol.resolved.operand,
                             memory=symbol.memory, component=symbol.path)]
     if isinstance(component, Jump):
-        return [Instruction(op=Op.STN if component.negated else Op.ST,
+        return [_instruction(op=Op.STN if component.negated else Op.ST,
                             operand=temporary(_JUMP + symbol.id), component=symbol.path)]
     if isinstance(component, Instance):
-        call = Call(name=component.composite, instance=symbol.instance,
+        call = _new_call(name=component.composite, instance=symbol.instance,
                     inputs=symbol.resolved.inputs)
         op = Op.RUN if symbol.is_block else Op.EXE
         return [*_copies(symbol, power_pins),
-                Instruction(op=op, call=call, component=symbol.path)]
+                _instruction(op=op, call=call, component=symbol.path)]
     assert isinstance(component, Block)
     if component.type == '%NOT':
-        return [Instruction(op=Op.NOT, component=symbol.path)]
+        return [_instruction(op=Op.NOT, component=symbol.path)]
     if component.statements:
         return _execute(symbol)
     kind = CATALOGUE[symbol.resolved.block or component.type.upper()]
@@ -289,17 +293,17 @@ def _transfer_instructions(
     known = [pin.name for pin in kind.inputs]
     inputs = tuple((pin, bound[pin]) for pin in sorted(
         bound, key=lambda pin: known.index(pin) if pin in known else _further(pin)))
-    call = Call(name=kind.name, instance=symbol.instance, type=symbol.resolved.type,
+    call = _new_call(name=kind.name, instance=symbol.instance, type=symbol.resolved.type,
                 inputs=inputs, outputs=symbol.resolved.outputs)
     kept = [pin for pin in power_pins if pin[0] in known] if symbol.keeps_inputs else []
-    return [*_copies(symbol, kept), Instruction(
+    return [*_copies(symbol, kept), _instruction(
         op=Op.FUN if kind.is_function else Op.CAL, call=call, component=symbol.path)]
 
 
 def _copies(symbol: SymbolVertex, pins: Sequence[tuple[str, int]]) -> list[Instruction]:
     """Return what puts the power that reaches further pins into an instance."""
     return [
-        Instruction(op=Op.MOV, operand=temporary(number), target=Ref(
+        _instruction(op=Op.MOV, operand=temporary(number), target=Ref(
             path=f'{symbol.instance}.{pin}', type=DataType.BOOL))
         for pin, number in pins]
 
@@ -307,9 +311,9 @@ def _copies(symbol: SymbolVertex, pins: Sequence[tuple[str, int]]) -> list[Instr
 def _execute(symbol: SymbolVertex) -> list[Instruction]:
     """Return the code of an EXECUTE box; the power that enters it leaves it too."""
     power = temporary(_EXECUTE + symbol.id)
-    return [Instruction(op=Op.ST, operand=power), Instruction(op=Op.IF), *symbol.body,
-            Instruction(op=Op.FI),
-            Instruction(op=Op.LD, operand=power, component=symbol.path)]
+    return [_instruction(op=Op.ST, operand=power), _instruction(op=Op.IF), *symbol.body,
+            _instruction(op=Op.FI),
+            _instruction(op=Op.LD, operand=power, component=symbol.path)]
 
 
 def _further(pin: str) -> int:

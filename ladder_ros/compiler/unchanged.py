@@ -2,32 +2,56 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which rungs of a program are those of an earlier one, and mean the same there.
 
-A rung is a value: one that is the same object as before, and whose names are declared as before,
-has the same connections, graph and code.  Imported drawings are compiled anew each time.
+A rung is a value: one that is the same object as before, or has moved in its file, and whose names
+are declared as before, has the same connections, graph and code.  Imported drawings are compiled
+anew each time.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 from ladder_ros.compiler.symbols import pou_key, Scope, Symbols
+from ladder_ros.diagnostics import Location
 from ladder_ros.model.component import Argument, Block, Coil, Contact, Instance
-from ladder_ros.model.program import Program, Rung
+from ladder_ros.model.program import Composite, Parameter, Program, Rung, Variable
+
+_Declared = TypeVar('_Declared', Parameter, Variable)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Before:
+    """An earlier program, and what its names meant.
+
+    ``moved`` are rungs of it that stand elsewhere in the next program's file, by ``id`` of what
+    has taken their place there and differs in locations alone.
+    """
+
+    program: Program
+    symbols: Symbols
+    moved: Mapping[int, Rung] = field(default_factory=dict)
+
+    def rung(self, now: Rung) -> Rung:
+        """Return what a rung of the next program was in this one, if it was there."""
+        return self.moved.get(id(now), now)
 
 
 def same_rungs(
-    before: Program, symbols: Symbols, now: Program, scopes: Mapping[str, Scope],
+    earlier: Before, now: Program, scopes: Mapping[str, Scope],
 ) -> dict[str, dict[int, int]]:
     """Return by POU key, and by ``id`` of the rung, its place among the POU's rungs before.
 
-    ``symbols`` are those of the program before, ``scopes`` the names that each POU sees now.
+    ``scopes`` are the names that each POU sees now.
     """
+    before, symbols = earlier.program, earlier.symbols
     if before.dialect != 'native' or now.dialect != 'native' or before.types != now.types or (
             before.enumerations != now.enumerations):
         return {}
-    composites = {c.name.casefold(): id(c) for c in before.composites}
-    changed = {c.name.casefold() for c in now.composites
-               if composites.pop(c.name.casefold(), None) != id(c)} | composites.keys()
+    composites = {c.name.casefold(): c for c in before.composites}
+    changed = {c.name.casefold() for c in now.composites if not _is_same(
+        composites.pop(c.name.casefold(), None), c, earlier)} | composites.keys()
     old = {pou_key(pou): pou for pou in before.pous}
     found: dict[str, dict[int, int]] = {}
     for pou in now.pous:
@@ -36,12 +60,29 @@ def same_rungs(
         if same is None or getattr(same, 'call', None) is not getattr(pou, 'call', None):
             continue
         other = changed | _changed(symbols.scopes[key], scopes[key])
-        here = {id(rung) for rung in pou.rungs}
+        here = {id(earlier.rung(rung)): id(rung) for rung in pou.rungs}
         found[key] = {
-            id(rung): place for place, rung in enumerate(same.rungs)
+            here[id(rung)]: place for place, rung in enumerate(same.rungs)
             if id(rung) in here and id(rung) not in symbols.noted
             and (not other or other.isdisjoint(_names(rung)))}
     return found
+
+
+def _is_same(old: Composite | None, new: Composite, earlier: Before) -> bool:
+    """Say whether a definition is what it was, but for where it stands in its file."""
+    if old is new:
+        return True
+    if old is None or [id(rung) for rung in old.rungs] != [
+            id(earlier.rung(rung)) for rung in new.rungs]:
+        return False
+    return replace(
+        old, rungs=(), location=new.location, parameters=_bare(old.parameters),
+        variables=_bare(old.variables)) == replace(
+        new, rungs=(), parameters=_bare(new.parameters), variables=_bare(new.variables))
+
+
+def _bare(declared: Sequence[_Declared]) -> tuple[_Declared, ...]:
+    return tuple([replace(one, location=Location()) for one in declared])
 
 
 def _changed(before: Scope, now: Scope) -> set[str]:

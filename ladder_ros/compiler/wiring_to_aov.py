@@ -29,7 +29,10 @@ from ladder_ros.model.component import (
     Instance,
 )
 from ladder_ros.model.types import DataType
+from ladder_ros.nouns import maker
 
+_aov = maker(Aov)
+_symbol_vertex = maker(SymbolVertex)
 _ALIKE = 4096
 """So many values that all rungs have alike are made once."""
 
@@ -72,6 +75,9 @@ class _Drawing:
     resolved: Mapping[str, Resolved] = field(compare=False)
 
 
+_drawing = maker(_Drawing)
+
+
 @lru_cache(_DRAWINGS)
 def _known_plan(drawing: _Drawing) -> _Plan | None:
     """Return the graph of wirings that are alike; None if something is wrong with it."""
@@ -98,16 +104,16 @@ class _Builder:
     _wanted: set[str] | None = None
 
     def run(self) -> Aov:
-        wiring = self.wiring
+        wiring, resolved = self.wiring, self.resolved
+        parts = [(part, resolved[part.component.id.casefold()]) for part in wiring.parts]
         plan = None
-        if wiring.likeness is not None and not any(
-                self.resolved[part.component.id.casefold()].sources for part in wiring.parts):
-            plan = _known_plan(_Drawing(
+        if wiring.likeness is not None and not any(known.sources for _, known in parts):
+            plan = _known_plan(_drawing(
                 likeness=wiring.likeness, wiring=wiring, resolved=self.resolved))
         likeness, plan = plan, plan or self.plan()
         symbols = tuple([
-            self._symbol(wiring.parts[place], number) for number, place in enumerate(plan.order)])
-        return Aov(rung=wiring.rung.id, comment=wiring.rung.comment, symbols=symbols,
+            self._symbol(*parts[place], number) for number, place in enumerate(plan.order)])
+        return _aov(rung=wiring.rung.id, comment=wiring.rung.comment, symbols=symbols,
                    virtuals=plan.virtuals, arcs=plan.arcs, likeness=likeness)
 
     def plan(self) -> _Plan:
@@ -168,19 +174,18 @@ class _Builder:
             pending += lines_out.get(at, ())
         return arcs
 
-    def _symbol(self, part: Part, number: int) -> SymbolVertex:
+    def _symbol(self, part: Part, resolved: Resolved, number: int) -> SymbolVertex:
         component = part.component
-        resolved = self.resolved[component.id.casefold()]
         if isinstance(component, (Contact, Coil)):
             memory = None
             if component.kind in _REMEMBER:
                 memory = edge_memory(self.wiring.rung.id, component.id)
-            return SymbolVertex(id=number, path=component.id, component=component,
+            return _symbol_vertex(id=number, path=component.id, component=component,
                                 resolved=resolved, memory=memory)
         if isinstance(component, Block):
             resolved = self._with_data_outputs(part, component, resolved)
         instance = component.instance if isinstance(component, (Block, Instance)) else ''
-        return SymbolVertex(id=number, path=component.id, component=component,
+        return _symbol_vertex(id=number, path=component.id, component=component,
                             resolved=resolved, instance=instance)
 
     def _with_data_outputs(self, part: Part, component: Block, resolved: Resolved) -> Resolved:

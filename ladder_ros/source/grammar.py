@@ -80,11 +80,15 @@ class Rule:
     allowed: frozenset[str] = field(init=False)
     needed: frozenset[str] = field(init=False)
     child_group: Mapping[str, int] = field(init=False)
+    one_kind: bool = field(init=False)
+    """Whether all children are of one group, in which there may be any number."""
 
     def __post_init__(self) -> None:
         """Index the rule for the reader."""
         object.__setattr__(self, 'allowed', frozenset(self.required + self.optional))
         object.__setattr__(self, 'needed', frozenset(self.required))
+        object.__setattr__(
+            self, 'one_kind', len(self.children) == 1 and self.children[0].many)
         object.__setattr__(self, 'child_group', {
             name: index for index, group in enumerate(self.children) for name in group.names})
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 import re
-from xml.sax.saxutils import escape, quoteattr
 
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import (
@@ -41,6 +40,7 @@ from ladder_ros.model.derived import (
 from ladder_ros.model.program import Order, Rung, Wire
 from ladder_ros.model.st_printing import print_statements
 from ladder_ros.model.types import DataType, format_literal, NS_PER_MS, Value
+from ladder_ros.source.xml_lines import escape, quote
 
 RAIL_X = 20
 _NOT_XML = re.compile('[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]')
@@ -114,7 +114,7 @@ class _Writer:
     def lines(self) -> Iterator[str]:
         pous = [line for pou in self.project.pous for line in self.pou(pou)]
         instances = list(self.configuration())
-        name = quoteattr(self.project.name)
+        name = quote(self.project.name)
         yield '<?xml version="1.0" encoding="UTF-8"?>'
         yield ('<project xmlns="http://www.plcopen.org/xml/tc6_0201" '
                'xmlns:xhtml="http://www.w3.org/1999/xhtml">')
@@ -141,7 +141,7 @@ class _Writer:
     # -- POUs -------------------------------------------------------------------------------
 
     def pou(self, pou: PouText) -> Iterator[str]:
-        yield f'      <pou name={quoteattr(pou.name)} pouType="{pou.kind}">'
+        yield f'      <pou name={quote(pou.name)} pouType="{pou.kind}">'
         yield '        <interface>'
         if pou.result is not None:
             yield f'          <returnType>{self.type(pou.result)}</returnType>'
@@ -171,8 +171,8 @@ class _Writer:
             yield f'{indent}</{section}>'
 
     def variable(self, one: Declaration, indent: str) -> Iterator[str]:
-        at = f' address={quoteattr(one.address)}' if one.address else ''
-        yield f'{indent}<variable name={quoteattr(one.name)}{at}>'
+        at = f' address={quote(one.address)}' if one.address else ''
+        yield f'{indent}<variable name={quote(one.name)}{at}>'
         yield f'{indent}  <type>{self.type(one.type)}</type>'
         if not isinstance(one.type, str):
             given = {suffix: (leaf, value) for suffix, leaf, value in leaves(
@@ -185,7 +185,7 @@ class _Writer:
 
     def type(self, type_: Type | str) -> str:
         if isinstance(type_, str):
-            return f'<derived name={quoteattr(type_)}/>'
+            return f'<derived name={quote(type_)}/>'
         if isinstance(type_, DataType):
             return '<string/>' if type_ is DataType.STRING else f'<{type_.value}/>'
         if isinstance(type_, Array):
@@ -201,12 +201,12 @@ class _Writer:
         if name not in self.types:
             self.types[name] = []
             self.types[name] = list(self.data_type(name, type_))
-        return f'<derived name={quoteattr(name)}/>'
+        return f'<derived name={quote(name)}/>'
 
     def data_type(self, name: str, type_: Structure | Enumeration) -> Iterator[str]:
-        yield f'      <dataType name={quoteattr(name)}>'
+        yield f'      <dataType name={quote(name)}>'
         if isinstance(type_, Enumeration):
-            values = ''.join(f'<value name={quoteattr(known)} value="{number}"/>'
+            values = ''.join(f'<value name={quote(known)} value="{number}"/>'
                              for known, number in type_.values)
             yield f'        <baseType><enum><values>{values}</values></enum></baseType>'
         else:
@@ -229,11 +229,11 @@ class _Writer:
         for name, runs in tasks.items():
             milliseconds, rest = divmod(runs[0].interval, NS_PER_MS)
             part = f'.{rest:06}'.rstrip('0') if rest else ''
-            yield (f'          <task name={quoteattr(name)} priority="{runs[0].priority}" '
+            yield (f'          <task name={quote(name)} priority="{runs[0].priority}" '
                    f'interval="T#{milliseconds}{part}ms">')
             for run in runs:
-                yield (f'            <pouInstance name={quoteattr(run.name)} '
-                       f'typeName={quoteattr(run.pou)}/>')
+                yield (f'            <pouInstance name={quote(run.name)} '
+                       f'typeName={quote(run.pou)}/>')
             yield '          </task>'
         yield '        </resource>'
         yield from self.sections(self.project.globals, '        ')
@@ -336,11 +336,11 @@ class _Shapes:
                        f'{self.taken(component, "")}'
                        f'<expression>{escape(component.operand)}</expression></outVariable>')
             case Jump():
-                tag = f'jump label={quoteattr(component.label)}' if component.label else 'return'
+                tag = f'jump label={quote(component.label)}' if component.label else 'return'
                 yield (f'            <{tag} {head}>{at}'
                        f'{self.taken(component, "")}{_inverted(component)}</{tag.split()[0]}>')
             case Label():
-                yield (f'            <label label={quoteattr(component.label)} {head}>{at}'
+                yield (f'            <label label={quote(component.label)} {head}>{at}'
                        '</label>')
             case Block() | Instance():
                 yield from self.block(component, head, at)
@@ -358,7 +358,7 @@ class _Shapes:
         end = (component.placement.x, component.placement.y + y)
         text = f'<connectionPointIn><relPosition x="0" y="{y}"/>'
         for wire in self.wires.get((component.id, pin), ()):
-            name = f' formalParameter={quoteattr(wire.source.pin)}' if wire.source.pin else ''
+            name = f' formalParameter={quote(wire.source.pin)}' if wire.source.pin else ''
             start = self.start(wire)
             middle = (start[0] + end[0]) // 2
             points = [end, (middle, end[1]), (middle, start[1]), start]
@@ -408,8 +408,8 @@ class _Shapes:
 
     def block(self, block: Block | Instance, head: str, at: str) -> Iterator[str]:
         type_ = block.type if isinstance(block, Block) else block.composite
-        name = f' instanceName={quoteattr(block.instance)}' if block.instance else ''
-        yield f'            <block {head} typeName={quoteattr(type_)}{name}>{at}'
+        name = f' instanceName={quote(block.instance)}' if block.instance else ''
+        yield f'            <block {head} typeName={quote(type_)}{name}>{at}'
         ins, outs = self.all_pins(block)
         modifiers = {m.pin.casefold(): m for m in block.modifiers}
 
@@ -423,13 +423,13 @@ class _Shapes:
         # An in-out pin stands on both sides: editors leave out what is in inOutVariables.
         yield '              <inputVariables>'
         for index, pin in enumerate(ins):
-            yield (f'                <variable formalParameter={quoteattr(pin)}{marks(pin)}>'
+            yield (f'                <variable formalParameter={quote(pin)}{marks(pin)}>'
                    f'{self.taken(block, pin, pin_y(index))}</variable>')
         yield '              </inputVariables>'
         yield '              <inOutVariables/>'
         yield '              <outputVariables>'
         for index, pin in enumerate(outs):
-            yield (f'                <variable formalParameter={quoteattr(pin)}{marks(pin)}>'
+            yield (f'                <variable formalParameter={quote(pin)}{marks(pin)}>'
                    f'<connectionPointOut><relPosition x="{block.placement.width}" '
                    f'y="{pin_y(index)}"/></connectionPointOut></variable>')
         yield '              </outputVariables>'
@@ -481,7 +481,7 @@ def _value(type_: Type, given: Mapping[str, tuple[DataType, Value]], at: str) ->
     """Return an initial value, or the part of it at a suffix, as an element."""
     if isinstance(type_, Structure):
         return '<structValue>' + ''.join(
-            f'<value member={quoteattr(part.name)}>'
+            f'<value member={quote(part.name)}>'
             f'{_value(part.type, given, f"{at}.{part.name}")}</value>'
             for part in type_.fields) + '</structValue>'
     if isinstance(type_, Array):
@@ -493,4 +493,4 @@ def _value(type_: Type, given: Mapping[str, tuple[DataType, Value]], at: str) ->
     text = format_literal(value, elementary(type_) or leaf)
     if isinstance(type_, Enumeration):
         text = next((name for name, number in type_.values if number == value), text)
-    return f'<simpleValue value={quoteattr(text)}/>'
+    return f'<simpleValue value={quote(text)}/>'

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 import hashlib
 import os
@@ -20,6 +21,7 @@ from ladder_ros.source.openplc_to_model import read_openplc
 from ladder_ros.source.plcopen_project import is_project
 from ladder_ros.source.plcopen_to_model import parse_project
 from ladder_ros.source.st_to_model import is_st, parse_st
+from ladder_ros.source.xml_again import parse_again, Reading
 from ladder_ros.source.xml_to_model import parse_program
 from ladder_ros.source.xml_tree import read_file, root_element
 
@@ -52,6 +54,18 @@ def parse_any(data: bytes, file: str = '') -> Program:
                 'a PLCopen project has a namespace such as http://www.plcopen.org/xml/tc6_0201, '
                 f'and not {namespace or "none"}'))])
     return with_libraries(parse_program(data, file), file)
+
+
+@collected_later()
+def parse_next(data: bytes, file: str, earlier: Reading | None) -> Reading:
+    """Read a program as :func:`parse_any` does; what it shares with another is taken over.
+
+    Rungs of our own files, which are the same objects where they stand where they stood.
+    """
+    reading = parse_again(data, file, earlier)
+    if reading is None:
+        return Reading(program=parse_any(data, file))
+    return replace(reading, program=with_libraries(reading.program, file))
 
 
 def openplc_folder(path: str) -> Path | None:

@@ -19,6 +19,7 @@ from typing import TypeVar
 from ladder_ros.diagnostics import Location, problem
 from ladder_ros.model.names import MAX_NAME, why_illegal
 from ladder_ros.model.types import DataType, default_value, parse_literal, parse_time, Value
+from ladder_ros.nouns import maker
 from ladder_ros.source import grammar
 from ladder_ros.source.grammar import Rule, RULES
 from ladder_ros.source.xml_tree import Element, Findings
@@ -26,6 +27,7 @@ from ladder_ros.source.xml_tree import Element, Findings
 _Word = TypeVar('_Word', bound=Enum)
 
 _XML_SPACE = ' \t\r\n'
+_location = maker(Location)
 
 
 def normalise_prose(text: str) -> str:
@@ -52,8 +54,8 @@ class Form:
         self.rung_id = ''
         self.cell: tuple[int, int] | None = None
         self.counts: dict[str, int] = {}
-        self._identifiers: dict[str, str] = {}
-        self._operands: dict[str, str] = {}
+        self.identifiers: dict[str, str] = {}
+        self.operands: dict[str, str] = {}
         """Values that have been found good, each once: most names are read again and again."""
         self.is_foreign = False
         """Whether the program was drawn elsewhere: other editors allow more names."""
@@ -62,7 +64,7 @@ class Form:
 
     def here(self, element: Element, line: int | None = None) -> Location:
         """Return the place of an element."""
-        return Location(
+        return _location(
             file=self.file, line=line or element.line, pou=self.pou, rung=self.rung_id,
             cell=self.cell)
 
@@ -115,8 +117,13 @@ class Form:
                 self.report('L0103', child, help=f'<{element.tag}> has no elements in it',
                             element=child.tag, parent=element.tag, allowed='')
 
-    def children(self, element: Element, rule: Rule) -> Iterator[Element]:
-        """Yield the children that may be there; report the others."""
+    def children(self, element: Element, rule: Rule) -> Iterable[Element]:
+        """Return the children that may be there; report the others."""
+        if rule.one_kind and {child.tag for child in element.children} <= rule.child_group.keys():
+            return element.children
+        return self._allowed_children(element, rule)
+
+    def _allowed_children(self, element: Element, rule: Rule) -> Iterator[Element]:
         reached = 0
         seen: set[str] = set()
         for child in element.children:
@@ -197,7 +204,7 @@ class Form:
     def identifier(self, element: Element, attribute: str = 'id') -> str:
         """Return the id of a rung or component."""
         value = element.attributes.get(attribute, '')
-        known = self._identifiers.get(value)
+        known = self.identifiers.get(value)
         if known is not None:
             return known
         if attribute in element.attributes and (
@@ -206,14 +213,14 @@ class Form:
             self.bad_value(element, attribute, 'an id is letters, digits, _ and -, at most '
                            f'{MAX_NAME} of them')
             return value
-        return self._identifiers.setdefault(value, value) if value else ''
+        return self.identifiers.setdefault(value, value) if value else ''
 
     def operand(self, element: Element, attribute: str = 'operand') -> str:
         """Return an operand, or another reference that the compiler looks up."""
         value = element.attributes.get(attribute)
         if value is None:
             return ''
-        known = self._operands.get(value)
+        known = self.operands.get(value)
         if known is not None:
             return known
         bare = value.strip(_XML_SPACE)
@@ -221,7 +228,7 @@ class Form:
             self.bad_value(element, attribute, 'it may not be empty' if not bare else
                            f'it may have at most {grammar.MAX_OPERAND} characters')
             return bare
-        return self._operands.setdefault(value, bare)
+        return self.operands.setdefault(value, bare)
 
     def was(self, element: Element) -> tuple[str, ...]:
         """Return the places where the state of something was in earlier programs."""
@@ -283,4 +290,5 @@ def allowed(word: str, known: Iterable[str], verb: str = 'allowed here:') -> str
 
 def shown(name: str) -> str:
     """Return what a location says of a name that has not been checked yet."""
-    return ''.join(c for c in name[:MAX_NAME] if c.isprintable())
+    name = name[:MAX_NAME]
+    return name if name.isprintable() else ''.join(c for c in name if c.isprintable())

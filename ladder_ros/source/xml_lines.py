@@ -59,6 +59,16 @@ def element(tag: str, attributes: Attributes, content: Content) -> Lines:
     yield f'<{start}/>' if is_empty else f'</{tag}>'
 
 
+def escape(text: str) -> str:
+    """Return text as it stands between tags."""
+    return _IN_TEXT.sub(lambda match: _ESCAPES[match.group()], text)
+
+
+def quote(text: str) -> str:
+    """Return text as it stands behind the name of an attribute."""
+    return f'"{_IN_ATTRIBUTE.sub(lambda match: _ESCAPES[match.group()], text)}"'
+
+
 def _escape(text: str, special: re.Pattern[str]) -> str:
     if _PLAIN.fullmatch(text):
         return text

@@ -20,6 +20,7 @@ import stat
 from xml.parsers import expat
 
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location, problem
+from ladder_ros.nouns import maker
 
 MAX_BYTES = 128 * 1024 * 1024
 MAX_DEPTH = 32
@@ -58,6 +59,9 @@ class Element:
     text: str = ''
     text_line: int | None = None
     namespace: str = ''
+
+
+_element = maker(Element)
 
 
 class TooManyProblemsError(Exception):
@@ -275,16 +279,17 @@ class _Reading:
         self.count += 1
         if self.count > MAX_ELEMENTS:
             raise self.stop('elements', MAX_ELEMENTS)
-        if len(self.open) >= MAX_DEPTH:
+        opened = self.open
+        if len(opened) >= MAX_DEPTH:
             raise self.stop('levels of elements', MAX_DEPTH)
-        element = Element(
+        element = _element(
             tag=tag, attributes=attributes, line=self.parser.CurrentLineNumber,
             namespace=namespace)
-        if self.open:
-            self.open[-1].children.append(element)
+        if opened:
+            opened[-1].children.append(element)
         else:
             self.root = element
-        self.open.append(element)
+        opened.append(element)
 
     def document_type(self, name: str, system: str | None, public: str | None,
                       internal: bool) -> None:

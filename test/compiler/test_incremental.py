@@ -4,9 +4,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from random import Random
+from typing import Any, TypeVar
 from weakref import ref
 
 from edit.random_edits import random_edit
@@ -23,12 +26,17 @@ from ladder_ros.diagnostics import Diagnostic, LadderError
 from ladder_ros.edit.operations import apply_edit
 from ladder_ros.executable import Executable, Variant
 from ladder_ros.model.component import Coil, CoilKind, Contact, ContactKind
-from ladder_ros.model.program import Direction, Program, Variable
+from ladder_ros.model.program import Direction, Program, Rung, Variable
 from ladder_ros.model.types import DataType
+from ladder_ros.source.model_to_xml import write_program
+from ladder_ros.source.read_any import parse_any, parse_next
+from ladder_ros.source.xml_again import Reading
 from ladder_ros.source.xml_to_model import read_program
 
 PROGRAMS = sorted((Path(__file__).resolve().parents[2] / 'programs').glob('*.xml'))
 STEP = 50_000_000
+T = TypeVar('T')
+NOTHING: Mapping[int, Rung] = {}
 FACTS = ('name', 'slots', 'by_path', 'components', 'entries', 'routines', 'tasks', 'rungs',
          'outline')
 
@@ -67,11 +75,16 @@ def change(rng: Random, program: Program) -> Program:
 
 
 def compiled(
-    program: Program, earlier: Work | None,
+    program: Program, earlier: Work | None, moved: Mapping[int, Rung] = NOTHING,
 ) -> Compilation | tuple[Diagnostic, ...]:
     """Compile; what is wrong where that is impossible."""
+    return attempt(lambda: compile_program(program, earlier=earlier, moved=moved))
+
+
+def attempt(action: Callable[[], T]) -> T | tuple[Diagnostic, ...]:
+    """Return the result of an action; what is wrong where there is none."""
     try:
-        return compile_program(program, earlier=earlier)
+        return action()
     except LadderError as error:
         return error.diagnostics
 
@@ -92,6 +105,33 @@ def assert_alike(one: Executable, other: Executable, rng: Random) -> None:
             for entry in one.entries:
                 functions[entry.name](state, number * STEP, None)
         assert states[0] == states[1]
+
+
+def check_versions(program: Program, rng: Random, count: int) -> None:
+    """Change a program's file again and again; read and compile what changed, and everything."""
+    reading: Reading | None = None
+    work: Work | None = None
+    for number in range(count):
+        text = write_program(program)
+        lines = text.split('\n')
+        if number % 3 == 1:  # everything below moves
+            lines.insert(rng.randrange(1, len(lines)), '')
+        data, file = '\n'.join(lines).encode(), f'{number % 2}.xml'
+        program = change(rng, program)
+        read = attempt(partial(parse_any, data, file))
+        after = attempt(partial(parse_next, data, file, reading))
+        if not (isinstance(read, Program) and isinstance(after, Reading)):
+            assert read == after
+            continue
+        assert after.program == read
+        whole = compiled(read, None)
+        part = compiled(after.program, work, after.moved)
+        if not (isinstance(whole, Compilation) and isinstance(part, Compilation)):
+            assert whole == part
+            continue
+        assert part.diagnostics == whole.diagnostics
+        assert_alike(part.executable, whole.executable, rng)
+        reading, work = after, part.work
 
 
 def check_changes(program: Program, rng: Random, count: int) -> None:
@@ -133,6 +173,71 @@ def test_example_when_changed_then_compiling_the_change_is_compiling_all(path: P
 @pytest.mark.parametrize('plant', [flat_plant(300), station_plant(300)], ids=['flat', 'stations'])
 def test_plant_when_changed_then_compiling_the_change_is_compiling_all(plant: Plant) -> None:
     check_changes(program_of(plant), Random(7), 8)
+
+
+@given(case=cases(Wishes()), seed=st.integers(0, 999))
+@settings(max_examples=30)
+def test_random_file_when_changed_then_reading_the_change_is_reading_all(
+    case: Case, seed: int,
+) -> None:
+    check_versions(case.program, Random(seed), 5)
+
+
+@pytest.mark.parametrize('path', PROGRAMS, ids=lambda path: path.stem)
+def test_example_s_file_when_changed_then_reading_the_change_is_reading_all(path: Path) -> None:
+    check_versions(read_program(path), Random(path.stem), 8)
+
+
+@pytest.mark.parametrize('plant', [flat_plant(200), station_plant(200)], ids=['flat', 'stations'])
+def test_plant_s_file_when_changed_then_reading_the_change_is_reading_all(plant: Plant) -> None:
+    check_versions(program_of(plant), Random(5), 8)
+
+
+def test_file_when_a_line_is_put_in_then_what_has_moved_is_not_compiled(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    text = write_program(program_of(flat_plant(100)))
+    before = parse_next(text.encode(), 'a.xml', None)
+    work = compile_program(before.program).work
+    done: list[str] = []
+
+    def analyse(rung: Rung, **more: Any) -> object:
+        done.append(rung.id)
+        return analyse_connections(rung, **more)
+
+    monkeypatch.setattr(pipeline, 'analyse_connections', analyse)
+    other = text.replace('<body', '\n<body').replace('<rung id="71"', '<rung comment="x" id="71"')
+    after = parse_next(other.encode(), 'a.xml', before)
+    compilation = compile_program(after.program, earlier=work, moved=after.moved)
+    assert done == ['71']
+    assert len(after.moved) == 99
+    lines = [component.location.line for component in compilation.executable.components]
+    assert lines == [component.location.line for component in compile_program(
+        parse_any(other.encode(), 'a.xml')).executable.components]
+
+
+DOUBTFUL = (
+    '<rung id="1" width="2"><contact id="c" x="0" y="0" operand="a"/>{inside}'
+    '<coil id="k" x="1" y="0" operand="b"/></rung>{behind}')
+
+
+@pytest.mark.parametrize(('inside', 'behind'), [
+    ('', '<!-- <rung id="1"/> -->'), ('<!-- -->', ''), ('', '<rung id="2" width="1"/>'),
+    ('', '<?rung?>'), ('text', ''), ('', '<rung id="1" width="&lt;rung"/>'), ('\r\n', '\r\n'),
+    ('', '<rung kept="1"/>'), ('', '</rung>'), ('<rung id="3" width="1"></rung>', ''),
+    ('<![CDATA[<rung ]]>', ''), ('<row id="r" x="0" y="1" comment="<rung "/>', '')])
+def test_file_when_it_is_odd_then_reading_it_again_is_reading_it(inside: str, behind: str) -> None:
+    start = ('<ladder version="1" name="p"><variables><variable name="a" type="BOOL"/>'
+             '<variable name="b" type="BOOL"/></variables><body name="m">')
+    plain, odd = (
+        (start + DOUBTFUL.format(inside=i, behind=b) + '</body></ladder>').encode()
+        for i, b in (('', ''), (inside, behind)))
+    before = parse_next(plain, 'p.xml', None)
+    assert before.rungs
+    expected = attempt(lambda: parse_any(odd, 'p.xml'))
+    assert attempt(lambda: parse_next(odd, 'p.xml', before).program) == expected
+    assert attempt(lambda: parse_next(
+        odd, 'p.xml', parse_next(odd, 'p.xml', before)).program) == expected
 
 
 def with_edge(program: Program, number: int) -> Program:
