@@ -532,7 +532,7 @@ class Controller:
         self._listeners.tell_scan(ScanResult(
             number=self._recorder.scans - 1, now=now, executable=cycle.executable,
             values=cycle.state, power=cycle.power, execution_ns=execution, fault=fault,
-            executed=cycle.executed))
+            executed=cycle.executed, began=began))
         return fault
 
     def _give_up(self, error: LadderError) -> None:

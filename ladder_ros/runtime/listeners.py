@@ -46,8 +46,9 @@ class ScanResult:
 
     ``values`` (by slot) and ``power`` (by component; None unless observed) are the live lists:
     read them during the call, and never write to them.  ``executable`` is another object after a
-    change of the program.  ``execution_ns`` is how long the scan took, ``executed`` how many
-    instructions of the program it executed.
+    change of the program.  ``began`` is when the scan began by the controller's clock, ``now`` when
+    it was due; ``execution_ns`` is how long it took, ``executed`` how many instructions of the
+    program it executed.
     """
 
     number: int
@@ -58,6 +59,7 @@ class ScanResult:
     execution_ns: int
     fault: Fault | None = None
     executed: int = 0
+    began: int = 0
 
 
 Listener = Callable[[ScanResult], None]
