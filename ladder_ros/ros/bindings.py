@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from operator import itemgetter
 import time
 from typing import Any
@@ -30,7 +29,8 @@ from ladder_ros.model.types import Value
 from ladder_ros.ros.io_points import Endpoint, InputPoint, IoMap, OutputPoint
 from ladder_ros.ros.message_types import message_class, new_message
 from ladder_ros.ros.publications import Channel, Publication
-from ladder_ros.ros.reception import Input, NOTHING, Reception, Source, Store
+from ladder_ros.ros.reception import Input, NOTHING, Reception, Source
+from ladder_ros.session import Inlet
 
 _NO_MAP = IoMap()
 DELIVERY_SECONDS = 0.5
@@ -106,11 +106,12 @@ class Bindings:
     """
 
     def __init__(
-        self, node: Any, store: Store, warn: Callable[[str], None], ros_time: RosTime,
+        self, node: Any, inlet: Callable[[Executable], Inlet], warn: Callable[[str], None],
+        ros_time: RosTime,
     ) -> None:
-        """Start without any; ``warn`` gets sentences for the log."""
+        """Start without any; ``inlet`` is the session's, ``warn`` gets sentences for the log."""
         self._node = node
-        self._store = store
+        self._inlet = inlet
         self._warn = warn
         self._ros_time = ros_time
         self._plan = Plan()
@@ -137,7 +138,7 @@ class Bindings:
         messages: dict[Endpoint, list[OutputPoint]] = {}
         for output in io_map.outputs:
             messages.setdefault(output.endpoint, []).append(output)
-        store = partial(self._store, of=executable)
+        store = self._inlet(executable)
         try:
             for point in io_map.inputs:
                 self._add_input(plan, point, store)
@@ -282,8 +283,9 @@ class Bindings:
                 fed.setdefault(endpoint, {})[name] = item
         for endpoint, source in self._sources().items():
             source.feed(fed[endpoint].values())
+            source.subscription.callback = source.receive
 
-    def _add_input(self, plan: Plan, point: InputPoint, store: Store) -> None:
+    def _add_input(self, plan: Plan, point: InputPoint, store: Inlet) -> None:
         endpoint = point.endpoint
         source = plan.sources.get(endpoint) or self._sources().get(endpoint)
         if source is None:
@@ -293,7 +295,7 @@ class Bindings:
         known = next((other.inputs[key] for other in self._plans.values() if key in other.inputs),
                      None)
         plan.inputs[key] = Input(
-            point=point, state=known.state if known else Reception(lock=source.lock), store=store)
+            point=point, state=known.state if known else Reception(source.arrivals), store=store)
         if source.last is not NOTHING:  # nobody may send it again
             plan.inputs[key].recall(source.last)
 

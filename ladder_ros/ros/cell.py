@@ -45,7 +45,7 @@ class Cell:
     ) -> None:
         """Make an empty cell; ``warn`` gets sentences, ``resolve_topic`` as in ``resolve_io``."""
         self.session = session
-        self.bindings = Bindings(node, session.write_slots, warn, ros_time)
+        self.bindings = Bindings(node, session.inlet, warn, ros_time)
         self.loader = Loader(settings.io, resolve_topic, self.bindings.poll)
         self._backend = settings.backend
         self._candidate: Prepared | None = None

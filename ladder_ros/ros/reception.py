@@ -7,48 +7,79 @@ Needs no ROS: recordings of topics go the same way as messages.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 import threading
-from typing import Any, Protocol
+from typing import Any
 
-from ladder_ros.executable import Executable
 from ladder_ros.model.types import Value
-from ladder_ros.ros.conversions import Decode, Misfit
-from ladder_ros.ros.fields import getter, picker, reader, Steps
+from ladder_ros.ros.conversions import Misfit
+from ladder_ros.ros.fields import getter, picker, reader, row_reader, Steps
 from ladder_ros.ros.io_points import Endpoint, InputPoint
-from ladder_ros.session import Write
+from ladder_ros.session import Inlet
 
 NOTHING = object()
 """Stands for no message."""
 
 
-class Store(Protocol):
-    """Store values into the pending input image, from any thread; one scan sees all of them."""
+@dataclass(slots=True, eq=False, kw_only=True)
+class Arrivals:
+    """What has come in on one topic: so many messages, and the last good value of each variable.
 
-    def __call__(self, values: Iterable[Write], *, of: Executable | None = None) -> None:
-        """Store values for slots of the executable ``of``."""
+    Under ``lock`` what is received goes into the image as one step with its being noted here.
+    """
+
+    lock: threading.Lock
+    messages: int = 0
+    values: Sequence[Value | None] = ()
 
 
 @dataclass(slots=True, eq=False)
 class Reception:
     """What came in for one variable on one topic, and how fresh it is.
 
-    ``received`` counts good messages; ``seen`` of them the scan thread knows; ``misfit`` says why
-    the last bad one was ignored; ``fresh_at`` is scan time in ns, None before the first scan after
-    a start.  Under ``lock``, which is the topic's, what is received goes into the image as one
-    step with its being noted here.
+    ``place`` is the variable's among the values of the topic, -1 as long as nobody feeds it;
+    ``others`` are the messages that were not for it.  ``seen`` of the good ones the scan thread
+    knows; ``misfit`` says why the last bad one was ignored; ``fresh_at`` is scan time in ns, None
+    before the first scan after a start.
     """
 
-    lock: threading.Lock
+    arrivals: Arrivals
 
-    value: Value | None = None
-    received: int = 0
+    place: int = -1
+    recalled: Value | None = None
+    others: int = 0
     rejected: int = 0
     misfit: Misfit | None = None
     seen: int = 0
     fresh_at: int | None = None
     stale: bool = False
+
+    def __post_init__(self) -> None:
+        """Begin to count."""
+        self.others = self.arrivals.messages
+
+    @property
+    def lock(self) -> threading.Lock:
+        """The topic's."""
+        return self.arrivals.lock
+
+    @property
+    def value(self) -> Value | None:
+        """The last good value."""
+        value = self.arrivals.values[self.place] if self.place >= 0 else None
+        return self.recalled if value is None else value
+
+    @property
+    def received(self) -> int:
+        """Number of good messages."""
+        return self.arrivals.messages - self.others
+
+    def reject(self, why: Misfit) -> None:
+        """Count the message that is about to be counted as a bad one."""
+        self.others += 1
+        self.rejected += 1
+        self.misfit = why
 
 
 @dataclass(slots=True, eq=False, kw_only=True)
@@ -57,11 +88,11 @@ class Input:
 
     point: InputPoint
     state: Reception
-    store: Store
+    store: Inlet
 
     def write(self, value: Value) -> None:
         """Give the variable a value."""
-        self.store(((self.point.slot.index, value, False),))
+        self.store((self.point.slot.index,), (value,), ())
 
     def recall(self, message: Any) -> None:
         """Note what came last on the topic, for a variable that is new on it."""
@@ -72,7 +103,7 @@ class Input:
         except IndexError:
             return
         if not isinstance(value, Misfit):
-            self.state.value = value
+            self.state.recalled = value
 
     def enter(self) -> None:
         """Give the program, which is put in place, the value that the world has now."""
@@ -96,8 +127,9 @@ class Input:
     def watch(self, now: int) -> None:
         """Notice after a scan at ``now`` that messages stay away, or come again."""
         state = self.state
-        if state.received != state.seen:
-            state.seen = state.received
+        received = state.received
+        if received > state.seen:
+            state.seen = received
             state.fresh_at = now
             if not state.stale:
                 return
@@ -110,7 +142,7 @@ class Input:
             state.fresh_at = now
         elif not state.stale and now - state.fresh_at >= self.point.timeout:
             with state.lock:
-                if state.received != state.seen:
+                if state.received > state.seen:
                     return  # just in time
                 state.stale = True
                 if self.point.fallback is not None:
@@ -120,12 +152,7 @@ class Input:
     def _tell(self) -> None:
         """Bring the stale contact up to date."""
         if self.point.stale is not None:
-            self.store(((self.point.stale.index, self.state.stale, False),))
-
-
-_Prepared = tuple[Callable[[Any], Any], Decode, Reception, int, bool]
-_Owner = tuple[Callable[[Any], Any], tuple[_Prepared, ...]]
-"""The way to what holds fields, and the inputs on these."""
+            self.store((self.point.stale.index,), (self.state.stale,), ())
 
 
 class _Nowhere:
@@ -139,61 +166,105 @@ class _Nowhere:
 
 
 _NOWHERE = _Nowhere()
+Receive = Callable[[Any], None]
 
 
 class Source:
-    """A subscription and the variables that it feeds."""
+    """A subscription and the variables that it feeds.
+
+    ``receive`` hands a message to every variable; one scan sees all that it says.  A value that a
+    variable cannot hold is counted only.  It is made anew with each :meth:`feed`.
+    """
 
     def __init__(self, endpoint: Endpoint) -> None:
         """Start with nobody to feed and nothing received."""
         self.endpoint = endpoint
         self.subscription: Any = None
         self.last: Any = NOTHING
-        self.lock = threading.Lock()
-        self._fed: tuple[tuple[Store, tuple[_Owner, ...]], ...] = ()
+        self.arrivals = Arrivals(lock=threading.Lock())
+        self.receive: Receive = _receiver(self, {})
 
     def feed(self, inputs: Iterable[Input]) -> None:
         """Hand messages to these variables from now on."""
-        stores: dict[Store, dict[Steps, list[Input]]] = {}
+        owners: dict[Steps, list[Input]] = {}
         for item in inputs:
-            owner = item.point.field.steps[:-1]
-            stores.setdefault(item.store, {}).setdefault(owner, []).append(item)
-        self._fed = tuple(
-            (store, tuple(
-                (getter(steps), tuple(map(_prepared, items))) for steps, items in owners.items()))
-            for store, owners in stores.items())
+            owners.setdefault(item.point.field.steps[:-1], []).append(item)
+        items = [item for fed in owners.values() for item in fed]
+        with self.arrivals.lock:
+            self.arrivals.values = [item.state.value for item in items]
+            for place, item in enumerate(items):
+                item.state.place = place
+            self.receive = _receiver(self, owners)
 
-    def receive(self, message: Any) -> None:
-        """Hand a message to every variable; one scan sees all that it says.
 
-        A value that a variable cannot hold is counted only.
-        """
-        self.last = message
-        for store, owners in self._fed:
-            taken = []
-            for owner, items in owners:
+def _receiver(source: Source, owners: dict[Steps, list[Input]]) -> Receive:
+    """Return what takes messages to variables, which lie in the order of their places."""
+    arrivals, lock = source.arrivals, source.arrivals.lock
+    items = [item for fed in owners.values() for item in fed]
+    stores = {item.store for item in items}
+    read = row_reader([
+        (steps, [(item.point.field, item.point.conversion.plain) for item in fed])
+        for steps, fed in owners.items()])
+    one_by_one = _careful_receiver(source, owners)
+    if read is None or len(stores) != 1:
+        return one_by_one
+    (store,) = stores
+    indices = tuple(item.point.slot.index for item in items)
+    pulses = frozenset(item.point.slot.index for item in items if item.point.catch_pulse)
+
+    def receive(message: Any) -> None:
+        try:
+            values = read(message)
+        except IndexError:
+            one_by_one(message)
+            return
+        source.last = message
+        with lock:
+            arrivals.values = values
+            arrivals.messages += 1
+            store(indices, values, pulses)
+
+    return receive
+
+
+def _careful_receiver(source: Source, owners: dict[Steps, list[Input]]) -> Receive:
+    """Return what looks at each value, be it there or not, good or bad."""
+    arrivals = source.arrivals
+    ways = tuple(
+        (getter(steps), tuple(
+            (picker(item.point.field), item.point.conversion.decode, item) for item in fed))
+        for steps, fed in owners.items())
+
+    def receive(message: Any) -> None:
+        source.last = message
+        values = list(arrivals.values)
+        taken: dict[Inlet, list[tuple[Input, Value]]] = {}
+        bad: list[tuple[Reception, Misfit]] = []
+        for owner, items in ways:
+            try:
+                holder = owner(message)
+            except IndexError:
+                holder = _NOWHERE
+            for pick, decode, item in items:
+                state = item.state
                 try:
-                    holder = owner(message)
+                    value = decode(pick(holder), values[state.place])
                 except IndexError:
-                    holder = _NOWHERE
-                for pick, decode, state, index, catch_pulse in items:
-                    try:
-                        value = decode(pick(holder), state.value)
-                    except IndexError:
-                        value = Misfit.ABSENT
-                    if isinstance(value, Misfit):
-                        state.rejected += 1
-                        state.misfit = value
-                    else:
-                        taken.append((state, (index, value, catch_pulse)))
-            with self.lock:
-                for state, (_, value, _) in taken:
-                    state.value = value
-                    state.received += 1
-                store([write for _, write in taken])
+                    value = Misfit.ABSENT
+                if isinstance(value, Misfit):
+                    bad.append((state, value))
+                else:
+                    values[state.place] = value
+                    taken.setdefault(item.store, []).append((item, value))
+        with arrivals.lock:
+            for state, why in bad:
+                state.reject(why)
+            arrivals.values = values
+            arrivals.messages += 1
+            for store, good in taken.items():
+                points = [item.point for item, _ in good]
+                store(
+                    [point.slot.index for point in points], [value for _, value in good],
+                    {point.slot.index for point in points if point.catch_pulse})
 
-
-def _prepared(item: Input) -> _Prepared:
-    point = item.point
-    return (picker(point.field), point.conversion.decode, item.state, point.slot.index,
-            point.catch_pulse)
+    return receive

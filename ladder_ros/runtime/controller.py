@@ -12,7 +12,7 @@ from ladder_ros.diagnostics import InternalError, LadderError, Location
 from ladder_ros.executable import Executable, Form
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.clock import Clock, MonotonicClock, rest
-from ladder_ros.runtime.exchange import Exchange
+from ladder_ros.runtime.exchange import Exchange, Inlet
 from ladder_ros.runtime.listeners import (
     check_interval,
     ControllerState,
@@ -361,7 +361,15 @@ class Controller:
         """
         with self._programs.lock:
             cycle = self._loaded('writing')
+            self._programs.deliver()
             cycle.image.write(moved_writes(values, of or cycle.executable, cycle.executable))
+
+    def inlet(self, executable: Executable) -> Inlet:
+        """Return a quick :meth:`write_all` for slots of one program: it waits for nobody.
+
+        It gets slots, values of their very types, and of which slots short pulses are to be seen.
+        """
+        return self._programs.inlet(executable)
 
     def read(self, index: int) -> Value:
         """Return a variable's value after the last scan."""
@@ -506,6 +514,9 @@ class Controller:
         cycle = self._loaded('scanning')
         if self._trace is not None:
             self._trace.before(cycle)
+        if self._programs.letters:
+            with self._programs.lock:
+                self._programs.deliver()
         began = self._clock.now()
         self._programs.scanning(began)
         fault = raised = None

@@ -46,9 +46,9 @@ class ScanResult:
 
     ``values`` (by slot) and ``power`` (by component; None unless observed) are the live lists:
     read them during the call, and never write to them.  ``executable`` is another object after a
-    change of the program.  ``began`` is when the scan began by the controller's clock, ``now`` when
-    it was due; ``execution_ns`` is how long it took, ``executed`` how many instructions of the
-    program it executed.
+    change of the program.  ``now`` is when the scan was due, ``began`` when it began by the same
+    clock; ``execution_ns`` is how long it took, ``executed`` how many instructions of the program
+    it executed.
     """
 
     number: int

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 import threading
 
 from ladder_ros.executable import Executable, Form, SlotClass, State
@@ -13,6 +13,18 @@ from ladder_ros.runtime.state_plan import StatePlan
 
 Write = tuple[int, Value, bool]
 """A slot's index, what it is to become, and whether a short pulse of it is to be seen."""
+
+
+NO_PULSES: Collection[int] = ()
+"""For :meth:`ProcessImage.put`."""
+
+
+def writes(
+    indices: Sequence[int], values: Sequence[Value], pulses: Collection[int],
+) -> Iterable[Write]:
+    """Return values one by one."""
+    return ((index, value, index in pulses)
+            for index, value in zip(indices, values, strict=True))
 
 
 def moved_writes(
@@ -50,6 +62,14 @@ class PendingInputs:
                     self._later[index] = value
                 else:
                     self._next[index] = value
+                    self._later.pop(index, None)
+
+    def put(self, indices: Sequence[int], values: Sequence[Value]) -> None:
+        """Do what :meth:`write` does, without ``catch_pulse``."""
+        with self._lock:
+            self._next.update(zip(indices, values, strict=True))
+            if self._later:
+                for index in indices:
                     self._later.pop(index, None)
 
     def take(self) -> dict[int, Value]:
@@ -108,6 +128,18 @@ class ProcessImage:
         self._pending.write([
             (index, normalise(value, types.get(index) or self._type(index)), catch_pulse)
             for index, value, catch_pulse in values])
+
+    def put(
+        self, indices: Sequence[int], values: Sequence[Value], pulses: Collection[int],
+    ) -> None:
+        """Do what :meth:`write` does with values that have their slots' very types.
+
+        ``pulses`` are those of the slots of which a short pulse is to be seen.
+        """
+        if pulses:
+            self._pending.write(writes(indices, values, pulses))
+        else:
+            self._pending.put(indices, values)
 
     def _type(self, index: int) -> DataType:
         """Return the type of a slot, and keep it: slots may be read from afar."""

@@ -4,16 +4,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import pytest
 from ros.test_io_map import executable, resolve
 
-from ladder_ros.model.types import DataType
+from ladder_ros.model.types import DataType, Value
 from ladder_ros.ros.conversions import Misfit
 from ladder_ros.ros.reception import Input, Reception, Source
-from ladder_ros.session import Write
 
 pytestmark = pytest.mark.ros
 POLYGON = 'geometry_msgs/msg/PolygonStamped'
@@ -27,18 +26,22 @@ class Fed:
 
     def __init__(self, entries: dict[str, Any]) -> None:
         names = {key.partition('.')[0] for key in entries}
-        self.stored: list[list[Write]] = []
+        self.stored: list[dict[str, Value]] = []
         points = [point for point in resolve(entries, PROGRAM).inputs
                   if point.slot.path in names]
         self.source = Source(points[0].endpoint)
         self.inputs = {
             point.slot.path: Input(
-                point=point, state=Reception(lock=self.source.lock), store=self._store)
+                point=point, state=Reception(self.source.arrivals), store=self._store)
             for point in points}
         self.source.feed(self.inputs.values())
 
-    def _store(self, values: Iterable[Write], *, of: object = None) -> None:
-        self.stored.append(list(values))
+    def _store(
+        self, indices: Sequence[int], values: Sequence[Value], pulses: Collection[int],
+    ) -> None:
+        self.stored.append({
+            PROGRAM.slots[index].path: value
+            for index, value in zip(indices, values, strict=True)})
 
 
 def corners(*points: tuple[float, float], frame: str = '') -> Any:
@@ -64,16 +67,14 @@ def fed() -> Fed:
 
 def test_message_when_it_feeds_several_variables_then_all_are_stored_at_once(fed: Fed) -> None:
     fed.source.receive(corners((0.0, 1.0), (3.0, 4.0), frame='map'))
-    (stored,) = fed.stored
-    assert {PROGRAM.slots[index].path: value for index, value, _ in stored} == {
-        'x': 3.0, 'y': 1.0, 'far': True, 'frame': 'map'}
+    assert fed.stored == [{'x': 3.0, 'y': 1.0, 'far': True, 'frame': 'map'}]
 
 
 def test_message_when_an_element_is_missing_then_only_what_lies_in_it_is_rejected(
         fed: Fed) -> None:
     fed.source.receive(corners((0.0, 1.0), (3.0, 4.0)))
     fed.source.receive(corners((0.0, 5.0)))
-    assert [PROGRAM.slots[index].path for index, _, _ in fed.stored[1]] == ['y', 'frame']
+    assert fed.stored[1] == {'y': 5.0, 'frame': ''}
     x, y = fed.inputs['x'].state, fed.inputs['y'].state
     assert (x.value, x.received, x.rejected, x.misfit) == (3.0, 1, 1, Misfit.ABSENT)
     assert (y.value, y.received, y.rejected, y.misfit) == (5.0, 2, 0, None)
@@ -82,9 +83,7 @@ def test_message_when_an_element_is_missing_then_only_what_lies_in_it_is_rejecte
 def test_limit_when_messages_follow_each_other_then_it_remembers_where_it_was(fed: Fed) -> None:
     for x in (2.0, 1.6, 1.4, 1.6):
         fed.source.receive(corners((0.0, 0.0), (x, 0.0)))
-    far = PROGRAM.by_path['far'].index
-    assert [value for stored in fed.stored for index, value, _ in stored if index == far] == [
-        True, True, False, False]
+    assert [stored['far'] for stored in fed.stored] == [True, True, False, False]
 
 
 def test_variable_when_it_is_new_on_a_topic_then_it_recalls_the_last_message(fed: Fed) -> None:
