@@ -49,7 +49,7 @@ from ladder_ros.runtime.recorder import RecordSummary, TraceRecorder
 from ladder_ros.runtime.replay import read_trace, replay_trace, ReplayResult
 from ladder_ros.runtime.retention import Retention
 from ladder_ros.runtime.scheduling import RealTime
-from ladder_ros.runtime.session_status import session_status
+from ladder_ros.runtime.session_status import condition, session_status
 from ladder_ros.runtime.shadow import ShadowStatus
 from ladder_ros.runtime.simulation import DEFAULT_SCANS, prepare_simulation, Simulation
 from ladder_ros.runtime.start_kind import start_kind, StartKind
@@ -594,6 +594,11 @@ class Session:
         and write; what it raises is only noted.
         """
         self._desk.listeners = (*self._desk.listeners, listener)
+
+    def condition(self) -> object:
+        """Return what is equal as long as nothing has happened that is worth a new status."""
+        return condition(
+            self._controller, self._desk, recording=self._trace.path if self._trace else None)
 
     def status(self) -> Mapping[str, object]:
         """Return the state of all that matters as plain JSON data; times are in ms."""

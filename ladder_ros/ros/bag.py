@@ -263,7 +263,7 @@ class _Inputs:
         for point in io_map.inputs:
             topic = point.endpoint.full_topic
             source = self._sources.setdefault(topic, Source(point.endpoint))
-            item = Input(point=point, state=Reception(source.arrivals), store=store)
+            item = Input(point=point, state=Reception(source), store=store)
             self._inputs.append(item)
             fed.setdefault(topic, []).append(item)
         for topic, inputs in fed.items():

@@ -30,7 +30,7 @@ from ladder_ros.ros.io_points import Endpoint, InputPoint, IoMap, OutputPoint
 from ladder_ros.ros.message_types import message_class, new_message
 from ladder_ros.ros.publications import Channel, Publication
 from ladder_ros.ros.reception import Input, NOTHING, Reception, Source
-from ladder_ros.session import Inlet
+from ladder_ros.session import Inlet, ScanResult
 
 _NO_MAP = IoMap()
 DELIVERY_SECONDS = 0.5
@@ -208,11 +208,12 @@ class Bindings:
 
     # After each scan (scan thread)
 
-    def after_scan(self, executable: Executable, values: Sequence[Value], now: int) -> None:
-        """Publish the outputs that changed and look after the age of the inputs; ``now`` in ns."""
-        plan = self._plans.get(id(executable))
-        if plan is None:
+    def after_scan(self, result: ScanResult) -> None:
+        """Publish the outputs that changed and look after the age of the inputs."""
+        plan = self._plans.get(id(result.executable))
+        if plan is None or result.fault is not None:
             return
+        values, now = result.values, result.now
         outputs = plan.pick(values)
         if outputs != plan.seen or plan.every_scan:
             plan.seen = outputs
@@ -295,7 +296,7 @@ class Bindings:
         known = next((other.inputs[key] for other in self._plans.values() if key in other.inputs),
                      None)
         plan.inputs[key] = Input(
-            point=point, state=known.state if known else Reception(source.arrivals), store=store)
+            point=point, state=known.state if known else Reception(source), store=store)
         if source.last is not NOTHING:  # nobody may send it again
             plan.inputs[key].recall(source.last)
 

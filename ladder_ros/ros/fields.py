@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import chain
 from operator import attrgetter, itemgetter
 import re
@@ -347,8 +348,9 @@ def row_reader(owners: Sequence[tuple[Steps, Sequence[tuple[Field, Plain | None]
 def _part_reader(steps: Steps, fields: Sequence[tuple[Field, Plain]]) -> Row:
     if len(fields) == 1:
         (field, plain), = fields
-        get = reader(field) if field.bit is not None or field.type.kind == 'octet' \
-            else getter(field.steps)
+        if field.bit is None and field.type.kind != 'octet':
+            return _one_reader(field.steps, plain)
+        get = reader(field)
         return lambda message: (plain(get(message)),)
     owner = getter(steps)
     if all(field.bit is not None and field.type.kind == 'uint8'
@@ -361,6 +363,13 @@ def _part_reader(steps: Steps, fields: Sequence[tuple[Field, Plain]]) -> Row:
         return [plain(pick(holder)) for pick, plain in pairs]
 
     return read
+
+
+@cache
+def _one_reader(steps: Steps, plain: Plain) -> Row:
+    """Read a single field: the same for all topics that are alike, to be in the caches."""
+    get = getter(steps)
+    return lambda message: (plain(get(message)),)
 
 
 def _bits_reader(owner: Callable[[Any], Any], fields: Sequence[Field]) -> Row:

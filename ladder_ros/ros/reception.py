@@ -7,7 +7,7 @@ Needs no ROS: recordings of topics go the same way as messages.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass
 import threading
 from typing import Any
@@ -20,32 +20,20 @@ from ladder_ros.session import Inlet
 
 NOTHING = object()
 """Stands for no message."""
-
-
-@dataclass(slots=True, eq=False, kw_only=True)
-class Arrivals:
-    """What has come in on one topic: so many messages, and the last good value of each variable.
-
-    Under ``lock`` what is received goes into the image as one step with its being noted here.
-    """
-
-    lock: threading.Lock
-    messages: int = 0
-    values: Sequence[Value | None] = ()
+NO_PULSES: Collection[int] = ()
 
 
 @dataclass(slots=True, eq=False)
 class Reception:
     """What came in for one variable on one topic, and how fresh it is.
 
-    ``place`` is the variable's among the values of the topic, -1 as long as nobody feeds it;
+    ``place`` is the variable's among the values of its source, -1 as long as nobody feeds it;
     ``others`` are the messages that were not for it.  ``seen`` of the good ones the scan thread
     knows; ``misfit`` says why the last bad one was ignored; ``fresh_at`` is scan time in ns, None
     before the first scan after a start.
     """
 
-    arrivals: Arrivals
-
+    source: Source
     place: int = -1
     recalled: Value | None = None
     others: int = 0
@@ -57,23 +45,23 @@ class Reception:
 
     def __post_init__(self) -> None:
         """Begin to count."""
-        self.others = self.arrivals.messages
+        self.others = self.source.messages
 
     @property
     def lock(self) -> threading.Lock:
         """The topic's."""
-        return self.arrivals.lock
+        return self.source.lock
 
     @property
     def value(self) -> Value | None:
         """The last good value."""
-        value = self.arrivals.values[self.place] if self.place >= 0 else None
+        value = self.source.values[self.place] if self.place >= 0 else None
         return self.recalled if value is None else value
 
     @property
     def received(self) -> int:
         """Number of good messages."""
-        return self.arrivals.messages - self.others
+        return self.source.messages - self.others
 
     def reject(self, why: Misfit) -> None:
         """Count the message that is about to be counted as a bad one."""
@@ -173,98 +161,99 @@ class Source:
     """A subscription and the variables that it feeds.
 
     ``receive`` hands a message to every variable; one scan sees all that it says.  A value that a
-    variable cannot hold is counted only.  It is made anew with each :meth:`feed`.
+    variable cannot hold is counted only.  What is needed for that lies close together, since a
+    node may have a thousand sources, and none of them is in the processor's caches when a message
+    comes.
     """
+
+    __slots__ = ('_indices', '_pulses', '_read', '_store', '_ways', 'endpoint', 'last', 'lock',
+                 'messages', 'receive', 'subscription', 'values')
 
     def __init__(self, endpoint: Endpoint) -> None:
         """Start with nobody to feed and nothing received."""
         self.endpoint = endpoint
         self.subscription: Any = None
         self.last: Any = NOTHING
-        self.arrivals = Arrivals(lock=threading.Lock())
-        self.receive: Receive = _receiver(self, {})
+        self.lock = threading.Lock()
+        """Under it what is received goes into the image as one step with its being noted here."""
+        self.messages = 0
+        """So many have come."""
+        self.values: Sequence[Value | None] = ()
+        """The last good value of each variable."""
+        self.feed(())
 
     def feed(self, inputs: Iterable[Input]) -> None:
-        """Hand messages to these variables from now on."""
+        """Hand messages to these variables from now on, by another ``receive``."""
         owners: dict[Steps, list[Input]] = {}
         for item in inputs:
             owners.setdefault(item.point.field.steps[:-1], []).append(item)
         items = [item for fed in owners.values() for item in fed]
-        with self.arrivals.lock:
-            self.arrivals.values = [item.state.value for item in items]
+        with self.lock:
+            self.values = [item.state.value for item in items]
             for place, item in enumerate(items):
                 item.state.place = place
-            self.receive = _receiver(self, owners)
+            self._ways = tuple(
+                (getter(steps), tuple(
+                    (picker(item.point.field), item.point.conversion.decode, item)
+                    for item in fed))
+                for steps, fed in owners.items())
+            self._indices = tuple(item.point.slot.index for item in items)
+            self._pulses = pulses_of(item.point for item in items)
+            stores = {item.store for item in items}
+            read = row_reader([
+                (steps, [(item.point.field, item.point.conversion.plain) for item in fed])
+                for steps, fed in owners.items()])
+            self.receive: Receive = self._receive_one_by_one
+            if read is not None and len(stores) == 1:
+                self._read = read
+                (self._store,) = stores
+                self.receive = self._receive_row
 
-
-def _receiver(source: Source, owners: dict[Steps, list[Input]]) -> Receive:
-    """Return what takes messages to variables, which lie in the order of their places."""
-    arrivals, lock = source.arrivals, source.arrivals.lock
-    items = [item for fed in owners.values() for item in fed]
-    stores = {item.store for item in items}
-    read = row_reader([
-        (steps, [(item.point.field, item.point.conversion.plain) for item in fed])
-        for steps, fed in owners.items()])
-    one_by_one = _careful_receiver(source, owners)
-    if read is None or len(stores) != 1:
-        return one_by_one
-    (store,) = stores
-    indices = tuple(item.point.slot.index for item in items)
-    pulses = frozenset(item.point.slot.index for item in items if item.point.catch_pulse)
-
-    def receive(message: Any) -> None:
+    def _receive_row(self, message: Any) -> None:
+        """Hand on what every variable can hold, if it is there."""
         try:
-            values = read(message)
+            values = self._read(message)
         except IndexError:
-            one_by_one(message)
+            self._receive_one_by_one(message)
             return
-        source.last = message
-        with lock:
-            arrivals.values = values
-            arrivals.messages += 1
-            store(indices, values, pulses)
+        self.last = message
+        with self.lock:
+            self.values = values
+            self.messages += 1
+            self._store(self._indices, values, self._pulses)
 
-    return receive
-
-
-def _careful_receiver(source: Source, owners: dict[Steps, list[Input]]) -> Receive:
-    """Return what looks at each value, be it there or not, good or bad."""
-    arrivals = source.arrivals
-    ways = tuple(
-        (getter(steps), tuple(
-            (picker(item.point.field), item.point.conversion.decode, item) for item in fed))
-        for steps, fed in owners.items())
-
-    def receive(message: Any) -> None:
-        source.last = message
-        values = list(arrivals.values)
-        taken: dict[Inlet, list[tuple[Input, Value]]] = {}
+    def _receive_one_by_one(self, message: Any) -> None:
+        """Look at each value, be it there or not, good or bad."""
+        self.last = message
+        values = list(self.values)
+        taken: dict[Inlet, list[tuple[InputPoint, Value]]] = {}
         bad: list[tuple[Reception, Misfit]] = []
-        for owner, items in ways:
+        for owner, items in self._ways:
             try:
                 holder = owner(message)
             except IndexError:
                 holder = _NOWHERE
             for pick, decode, item in items:
-                state = item.state
+                place = item.state.place
                 try:
-                    value = decode(pick(holder), values[state.place])
+                    value = decode(pick(holder), values[place])
                 except IndexError:
                     value = Misfit.ABSENT
                 if isinstance(value, Misfit):
-                    bad.append((state, value))
+                    bad.append((item.state, value))
                 else:
-                    values[state.place] = value
-                    taken.setdefault(item.store, []).append((item, value))
-        with arrivals.lock:
+                    values[place] = value
+                    taken.setdefault(item.store, []).append((item.point, value))
+        with self.lock:
             for state, why in bad:
                 state.reject(why)
-            arrivals.values = values
-            arrivals.messages += 1
+            self.values = values
+            self.messages += 1
             for store, good in taken.items():
-                points = [item.point for item, _ in good]
-                store(
-                    [point.slot.index for point in points], [value for _, value in good],
-                    {point.slot.index for point in points if point.catch_pulse})
+                store([point.slot.index for point, _ in good], [value for _, value in good],
+                      pulses_of(point for point, _ in good))
 
-    return receive
+
+def pulses_of(points: Iterable[InputPoint]) -> Collection[int]:
+    """Return the slots of which short pulses are to be seen."""
+    return frozenset(point.slot.index for point in points if point.catch_pulse) or NO_PULSES

@@ -110,12 +110,17 @@ class Controller:
     def interval(self) -> int:
         """The scan interval in ns: the one asked for, else the program's, else 10 ms."""
         cycle = self._programs.cycle
-        return self._interval_for(cycle.interval if cycle else 0)
+        return self._interval or (cycle.interval if cycle else 0) or DEFAULT_INTERVAL
 
     @property
     def statistics(self) -> Statistics:
         """The statistics since the last start."""
         return self._recorder.read()
+
+    @property
+    def overruns(self) -> int:
+        """How often a scan was not over when the next was due, since the last start."""
+        return self._recorder.overruns
 
     @property
     def tasks(self) -> tuple[TaskStatistics, ...]:
@@ -376,6 +381,10 @@ class Controller:
         with self._turns.between_scans():
             return self._loaded('reading').state[index]
 
+    def peek(self, index: int) -> Value:
+        """Return a variable's value at this moment, be it in the middle of a scan."""
+        return self._loaded('reading').state[index]
+
     def snapshot(self) -> tuple[Executable, list[Value]]:
         """Return the program and a copy of all values, of one moment between two scans."""
         with self._turns.between_scans():
@@ -470,24 +479,29 @@ class Controller:
             self._supervisor.end()
 
     def _scan_until_stopped(self) -> None:
-        deadline = self._due = self._clock.now()
+        # What is called here costs more than it seems: after a sleep nothing is in the caches.
+        clock, turns, programs = self._clock, self._turns, self._programs
+        deadline = self._due = clock.now()
         running = True
         while running and not self._stopping:
-            self._turns.run_errands()
-            interval = self.interval
-            ahead = deadline - self._clock.now()
-            if ahead > interval:
-                deadline += interval - ahead  # the clock was set back, or the interval shortened
+            if turns.errands:
+                turns.run_errands()
+            interval = self._interval or (
+                programs.cycle.interval if programs.cycle else 0) or DEFAULT_INTERVAL
+            ahead = deadline - clock.now()
             if ahead > 0:
-                self._clock.sleep_until(deadline)
+                if ahead > interval:  # the clock was set back, or the interval shortened
+                    deadline += interval - ahead
+                clock.sleep_until(deadline)
                 continue
             missed = -ahead // interval
-            self._recorder.skip(missed)
-            deadline += missed * interval
+            if missed:
+                self._recorder.skip(missed)
+                deadline += missed * interval
             running = self._scan(deadline, -ahead - missed * interval, missed)
             deadline += interval
             self._due = deadline
-            if self._clock.now() > deadline:
+            if clock.now() > deadline:
                 self._recorder.overrun()
         if running:
             self._turns.alone(lambda: self._programs.go_back(
@@ -496,33 +510,39 @@ class Controller:
 
     def _scan(self, now: int, lateness: int, missed: int) -> bool:
         """Run one scan and tell the listeners; return False after a fault."""
-        with self._turns.scan():
-            trial = self.trial
+        programs = self._programs
+        self._turns.begin_scan()
+        try:
+            trial = programs.trial
             if trial is not None:
                 why = trial.why_over(self._clock.now(), self._recorder.overruns)
                 if why:
-                    self._programs.go_back(self._loaded('going back'), why)
-            fault = self._scan_and_tell(now, lateness, missed)
-            if fault is not None:
+                    programs.go_back(self._loaded('going back'), why)
+            if self._scan_and_tell(now, lateness, missed) is not None:
                 return False
-            if self._programs.shadow is not None:
-                self._programs.shadow.scan(
-                    self._loaded('scanning'), now + self.interval, missed)
+            if programs.shadow is not None:
+                programs.shadow.scan(self._loaded('scanning'), now + self.interval, missed)
             return True
+        finally:
+            self._turns.end_scan()
 
     def _scan_and_tell(self, now: int, lateness: int, missed: int) -> Fault | None:
-        cycle = self._loaded('scanning')
+        programs = self._programs
+        cycle = programs.cycle or self._loaded('scanning')
         if self._trace is not None:
             self._trace.before(cycle)
-        if self._programs.letters:
-            with self._programs.lock:
-                self._programs.deliver()
+        if programs.letters:
+            with programs.lock:
+                programs.deliver()
         began = self._clock.now()
-        self._programs.scanning(began)
+        programs.scanning(began)
         fault = raised = None
         try:
-            with self._supervisor.watched():
+            self._supervisor.begin_scan()
+            try:
                 cycle.scan(now, missed, lateness)
+            finally:
+                self._supervisor.end_scan()
         except Exception as error:
             raised = error
             # Whatever it was, this thread must not die without a word.
@@ -532,8 +552,8 @@ class Controller:
         if self._turns.lost is not None:
             return self._fault  # too late: others have been told
         execution = self._clock.now() - began
-        self._recorder.scan(execution, lateness)
-        if fault is not None and self._programs.go_back(cycle, f'fault: {fault.reason}'):
+        number = self._recorder.scan(execution, lateness)
+        if fault is not None and programs.go_back(cycle, f'fault: {fault.reason}'):
             return None  # nobody is told what the failed scan left
         if self._trace is not None:
             self._trace.after(cycle, missed, raised)
@@ -541,9 +561,9 @@ class Controller:
             self._fault = fault
             self._set_state(ControllerState.FAULTED)
         self._listeners.tell_scan(ScanResult(
-            number=self._recorder.scans - 1, now=now, executable=cycle.executable,
-            values=cycle.state, power=cycle.power, execution_ns=execution, fault=fault,
-            executed=cycle.executed, began=began))
+            number=number, now=now, executable=cycle.executable, values=cycle.image.state,
+            power=cycle.power, execution_ns=execution, fault=fault, executed=cycle.executed,
+            began=began))
         return fault
 
     def _give_up(self, error: LadderError) -> None:

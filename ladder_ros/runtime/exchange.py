@@ -17,7 +17,7 @@ from ladder_ros.model.types import Value
 from ladder_ros.runtime.clock import Clock
 from ladder_ros.runtime.listeners import Listeners
 from ladder_ros.runtime.online_change import Gap, SwapReport
-from ladder_ros.runtime.process_image import moved_writes, NO_PULSES, writes
+from ladder_ros.runtime.process_image import Letter
 from ladder_ros.runtime.scan_cycle import ScanCycle, Successor
 from ladder_ros.runtime.shadow import Shadow
 from ladder_ros.runtime.trial import ChangeKind, ProgramChange, Trial
@@ -25,10 +25,8 @@ from ladder_ros.runtime.trial import ChangeKind, ProgramChange, Trial
 MOST_LETTERS = 1000
 """So many wait for the next scan; who posts more delivers them himself."""
 
-Letter = tuple[Executable, Sequence[int], Sequence[Value], Collection[int]]
-"""A program, slots of it, their values, and of which of them short pulses are to be seen."""
 Inlet = Callable[[Sequence[int], Sequence[Value], Collection[int]], None]
-"""Posts the same, of the program that it was made for."""
+"""Posts slots of a program, values of their types, and the slots of which short pulses count."""
 
 
 class Exchange:
@@ -60,7 +58,7 @@ class Exchange:
         letters = self.letters
 
         def post(
-            indices: Sequence[int], values: Sequence[Value], pulses: Collection[int] = NO_PULSES,
+            indices: Sequence[int], values: Sequence[Value], pulses: Collection[int],
         ) -> None:
             letters.append((executable, indices, values, pulses))
             if len(letters) > MOST_LETTERS:
@@ -71,16 +69,10 @@ class Exchange:
 
     def deliver(self) -> None:
         """Deliver what has been posted to the program that is there; the lock is held."""
-        letters, cycle = self.letters, self.cycle
-        while letters:
-            executable, indices, values, pulses = letters.popleft()
-            if cycle is None:
-                continue
-            if executable is cycle.executable:
-                cycle.image.put(indices, values, pulses)
-            else:
-                cycle.image.write(moved_writes(
-                    writes(indices, values, pulses), executable, cycle.executable))
+        if self.cycle is None:
+            self.letters.clear()
+        else:
+            self.cycle.image.put(self.letters)
 
     def restarted(self) -> None:
         """Note that no scan has run since a start."""

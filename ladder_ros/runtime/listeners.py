@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.executable import Executable
@@ -40,8 +41,7 @@ class Fault:
     location: Location = Location()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ScanResult:
+class ScanResult(NamedTuple):
     """What a listener is shown after a scan, the one that failed included.
 
     ``values`` (by slot) and ``power`` (by component; None unless observed) are the live lists:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Collection, Iterable, Mapping, Sequence
 import threading
 
@@ -15,11 +16,11 @@ Write = tuple[int, Value, bool]
 """A slot's index, what it is to become, and whether a short pulse of it is to be seen."""
 
 
-NO_PULSES: Collection[int] = ()
-"""For :meth:`ProcessImage.put`."""
+Letter = tuple[Executable, Sequence[int], Sequence[Value], Collection[int]]
+"""A program, slots of it, values of their very types, slots of which short pulses count."""
 
 
-def writes(
+def _writes(
     indices: Sequence[int], values: Sequence[Value], pulses: Collection[int],
 ) -> Iterable[Write]:
     """Return values one by one."""
@@ -44,7 +45,8 @@ class PendingInputs:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._next: dict[int, Value] = {}
+        self.some: dict[int, Value] = {}
+        """What the next scan is to see, by slot."""
         self._later: dict[int, Value] = {}
         self._frozen: dict[int, Value] = {}
 
@@ -56,28 +58,34 @@ class PendingInputs:
         that.
         """
         with self._lock:
-            for index, value, catch_pulse in values:
-                waiting = self._next.get(index, value)
-                if catch_pulse and waiting != value and waiting != self._frozen.get(index):
-                    self._later[index] = value
-                else:
-                    self._next[index] = value
-                    self._later.pop(index, None)
+            self._write(values)
 
-    def put(self, indices: Sequence[int], values: Sequence[Value]) -> None:
-        """Do what :meth:`write` does, without ``catch_pulse``."""
+    def _write(self, values: Iterable[Write]) -> None:
+        for index, value, catch_pulse in values:
+            waiting = self.some.get(index, value)
+            if catch_pulse and waiting != value and waiting != self._frozen.get(index):
+                self._later[index] = value
+            else:
+                self.some[index] = value
+                self._later.pop(index, None)
+
+    def put(self, letters: deque[Letter], executable: Executable) -> None:
+        """Write what the letters say, to the slots of this program; there are none left then."""
         with self._lock:
-            self._next.update(zip(indices, values, strict=True))
-            if self._later:
-                for index in indices:
-                    self._later.pop(index, None)
+            some = self.some
+            while letters:
+                its, indices, values, pulses = letters.popleft()
+                if its is not executable or pulses or self._later:
+                    self._write(moved_writes(_writes(indices, values, pulses), its, executable))
+                elif len(indices) == 1:
+                    some[indices[0]] = values[0]
+                else:
+                    some.update(zip(indices, values, strict=True))
 
     def take(self) -> dict[int, Value]:
-        """Return what the next scan is to see, by slot."""
-        if not self._next:
-            return {}
+        """Return what the next scan is to see, which begins."""
         with self._lock:
-            taken, self._next, self._later = self._next, self._later, {}
+            taken, self.some, self._later = self.some, self._later, {}
             self._frozen.update(taken)
         return taken
 
@@ -86,7 +94,7 @@ class PendingInputs:
         result = PendingInputs()
         with self._lock:
             for old, new in (
-                (self._next, result._next), (self._later, result._later),
+                (self.some, result.some), (self._later, result._later),
                 (self._frozen, result._frozen),
             ):
                 new.update((moves[index], value) for index, value in old.items() if index in moves)
@@ -104,6 +112,7 @@ class ProcessImage:
 
         The state is as a faster form of the program has it, if there is one already.
         """
+        self._executable = executable
         self._slots = executable.slots
         self._make_state = form.make_state if form is not None else executable.make_state
         self.state = self._make_state(executable.outline.initial)
@@ -129,17 +138,12 @@ class ProcessImage:
             (index, normalise(value, types.get(index) or self._type(index)), catch_pulse)
             for index, value, catch_pulse in values])
 
-    def put(
-        self, indices: Sequence[int], values: Sequence[Value], pulses: Collection[int],
-    ) -> None:
-        """Do what :meth:`write` does with values that have their slots' very types.
+    def put(self, letters: deque[Letter]) -> None:
+        """Do what :meth:`write` does with the values of letters; there are none left then.
 
-        ``pulses`` are those of the slots of which a short pulse is to be seen.
+        One thread at a time.
         """
-        if pulses:
-            self._pending.write(writes(indices, values, pulses))
-        else:
-            self._pending.put(indices, values)
+        self._pending.put(letters, self._executable)
 
     def _type(self, index: int) -> DataType:
         """Return the type of a slot, and keep it: slots may be read from afar."""
@@ -148,9 +152,9 @@ class ProcessImage:
 
     def freeze(self) -> Mapping[int, Value]:
         """Bring what is pending into the state, the inputs of one scan; return it by slot."""
+        if not self._pending.some:
+            return {}
         taken = self._pending.take()
-        if not taken:
-            return taken
         if not self._forces:
             for index, value in taken.items():
                 self.state[index] = value

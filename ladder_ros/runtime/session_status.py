@@ -51,6 +51,21 @@ def session_status(
     }
 
 
+def condition(controller: Controller, desk: ChangeDesk, *, recording: str | None) -> object:
+    """Return something that is equal as long as the status is, but for what changes all the time.
+
+    That is: counts, times, shares, and what a shadow run or retained values are about.
+    """
+    loaded, last, trial, candidate = desk.loaded, desk.last, controller.trial, desk.candidate
+    return (
+        controller.state, controller.fault, controller.runs_as, controller.interval,
+        controller.overruns, controller.refused, controller.forces,
+        _arithmetic_errors(controller), controller.listener_error, recording,
+        loaded and (loaded.path, loaded.source_hash, loaded.backend),
+        last and (last.kind, last.time, last.report and last.report.gap_ns),
+        trial and trial.began, candidate and candidate.source_hash)
+
+
 def _change(controller: Controller, desk: ChangeDesk) -> dict[str, object]:
     trial, candidate = controller.trial, desk.candidate
     return {
@@ -71,7 +86,7 @@ def _forces(controller: Controller) -> dict[str, str]:
 def _arithmetic_errors(controller: Controller) -> int:
     executable = controller.executable
     slot = executable.slot(ARITHMETIC_ERRORS) if executable else None
-    return int(controller.read(slot.index)) if slot else 0
+    return int(controller.peek(slot.index)) if slot else 0
 
 
 def _fault(fault: Fault | None) -> dict[str, object] | None:

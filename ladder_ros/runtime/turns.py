@@ -32,6 +32,8 @@ class Turns:
         # Held during a scan and its listeners, or to keep one from starting:
         self._between = threading.RLock()
         self._errands = Errands()
+        self.errands = self._errands.waiting
+        """What others have asked the scan thread for."""
         self.lost: LadderError | None = None
         """Why the scan thread was given up: its scan does not end."""
 
@@ -40,15 +42,14 @@ class Turns:
         """Whether the calling thread is the one that scans."""
         return threading.current_thread() is self.scanner
 
-    @contextmanager
-    def scan(self) -> Iterator[None]:
-        """Scan meanwhile; for the scan thread."""
+    def begin_scan(self) -> None:
+        """Keep all others away until :meth:`end_scan`; for the scan thread."""
         with self._gate:
             self._between.acquire()
-        try:
-            yield
-        finally:
-            self._between.release()
+
+    def end_scan(self) -> None:
+        """Let others do something again."""
+        self._between.release()
 
     def run_errands(self) -> None:
         """Do what others have asked for; for the scan thread between two scans."""

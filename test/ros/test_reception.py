@@ -32,7 +32,7 @@ class Fed:
         self.source = Source(points[0].endpoint)
         self.inputs = {
             point.slot.path: Input(
-                point=point, state=Reception(self.source.arrivals), store=self._store)
+                point=point, state=Reception(self.source), store=self._store)
             for point in points}
         self.source.feed(self.inputs.values())
 
