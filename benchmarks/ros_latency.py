@@ -17,10 +17,10 @@ services, statistics, nor checks of what it receives.
 waiting, on average.  The *echo* node publishes in the callback: what no cycle costs.
 ``topics``: processor time and latency with 1, 100 and 1,000 Bool inputs of 10 Hz each, scanned
 every 10 ms.  ``packed``: the same with all but one of them in one UInt8MultiArray of 10 Hz, which
-the bare node takes apart.  ``jitter``: 1,000 rungs every millisecond with 100 inputs of 10 Hz each,
-beside a thread that does nothing but to sleep to absolute deadlines while its node subscribes to
-the same topics; how far the times from scan to scan are off the interval, and how many scans are
-over when the next is due.
+the bare node takes apart.  ``jitter``: 1,000 rungs every millisecond with 100 inputs of 10 Hz
+each, beside a thread that only sleeps to absolute deadlines while its node subscribes to the same
+topics; how far the times from scan to scan are off the interval, and how many scans are over when
+the next is due.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ RATE = 10.0
 SETTLE = 0.3
 """Seconds of each turn that do not count."""
 COST, JITTER, IN_TIME = 1.15, 1.5, 99.0
-"""Targets: cost and p99 of the jitter as multiples of the bare node's, scans in time in percent."""
+"""Targets: cost and p99 of the jitter over the bare node's, percentage of scans in time."""
 JITTER_INPUTS, JITTER_RUNGS = 100, 1000
 MS = 1_000_000
 Row = dict[str, Any]
@@ -56,8 +56,8 @@ Row = dict[str, Any]
 def program(inputs: int, interval_ms: float, rungs: int = 1) -> str:
     """Return a program with so many inputs; ``out`` follows ``in0``."""
     variables = [f'<variable name="in{n}" class="input" type="BOOL"/>' for n in range(inputs)]
-    drawn = ['<rung id="out" width="2"><contact id="c" x="0" y="0" operand="in0"/>'
-             '<coil id="k" x="1" y="0" operand="out"/></rung>']
+    drawn = [('<rung id="out" width="2"><contact id="c" x="0" y="0" operand="in0"/>'
+              '<coil id="k" x="1" y="0" operand="out"/></rung>')]
     for n in range(1, rungs):
         variables.append(f'<variable name="v{n}" type="BOOL"/>')
         drawn.append(
@@ -97,7 +97,9 @@ def spinning(node: Any) -> Iterator[None]:
         thread.join()
 
 
-def bare_inputs(node: Any, inputs: int, packed: bool, on_first: Callable[[Any], None]) -> list[bool]:
+def bare_inputs(
+    node: Any, inputs: int, packed: bool, on_first: Callable[[Any], None],
+) -> list[bool]:
     """Subscribe to in0, in1, ..., or to in0 and packed; return where their values are noted."""
     from std_msgs.msg import Bool, UInt8MultiArray
 

@@ -521,20 +521,15 @@ class Session:
             slot.index, value_for(slot, value), catch_pulse=catch_pulse, of=executable)
 
     def write_slots(self, values: Iterable[Write], *, of: Executable | None = None) -> None:
-        """Give variables values before the next scan, all in the same; the fast way.
+        """Give variables values before the next scan, all in the same.
 
-        Each: index of the slot, value, catch_pulse.  ``of`` is the executable of the slots, the
-        present one by default; after a change the variables of their names are written.  Raises
-        TypeError for a value of another type.
+        ``of`` is the executable of the slots, the present one by default; after a change the
+        variables of their names are written.  Raises TypeError for a value of another type.
         """
         self._controller.write_all(values, of=of)
 
     def inlet(self, executable: Executable) -> Inlet:
-        """Return a quicker :meth:`write_slots`, for slots of one program.
-
-        It takes indices, values of the slots' very types, and those of the indices of which a
-        short pulse is to be seen.
-        """
+        """Return a quicker :meth:`write_slots`, for values of the very types of slots."""
         return self._controller.inlet(executable)
 
     def read(self, name: str) -> Value:
@@ -574,7 +569,7 @@ class Session:
     def add_listener(self, listener: Listener) -> None:
         """Call ``listener`` in the scan thread after each scan, failed ones included.
 
-        It may read, write and stop, and what it raises is only noted.  Once a change has returned
+        It may read, write and stop; what it raises is only noted.  After a change has returned
         no listener is called with the old program.
         """
         self._controller.add_listener(listener)
@@ -588,23 +583,16 @@ class Session:
         self._controller.add_state_listener(listener)
 
     def add_change_listener(self, listener: Callable[[Change], None]) -> None:
-        """Call ``listener`` with each change of the program, before the first scan after it.
-
-        In the thread that made it so: the scan thread if a test ends by itself.  It may only read
-        and write; what it raises is only noted.
-        """
+        """Call ``listener``, which may read and write, with each change before its first scan."""
         self._desk.listeners = (*self._desk.listeners, listener)
 
     def condition(self) -> object:
         """Return what is equal as long as nothing has happened that is worth a new status."""
-        return condition(
-            self._controller, self._desk, recording=self._trace.path if self._trace else None)
+        return condition(self._controller, self._desk, self._trace)
 
     def status(self) -> Mapping[str, object]:
         """Return the state of all that matters as plain JSON data; times are in ms."""
-        retain = self._retention.to_json() if self._retention else None
-        return session_status(self._controller, self._desk, retain=retain,
-                              recording=self._trace.path if self._trace else None)
+        return session_status(self._controller, self._desk, self._retention, self._trace)
 
 
 def _stamp() -> str:

@@ -32,9 +32,9 @@ from ladder_ros.runtime.recorder import TraceRecorder
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
 from ladder_ros.runtime.scheduling import ask_for, RealTime, wake_promptly
 from ladder_ros.runtime.shadow import Shadow
-from ladder_ros.runtime.statistics import Recorder, Share, Statistics
+from ladder_ros.runtime.statistics import Recorder, Statistics
 from ladder_ros.runtime.supervisor import Supervisor
-from ladder_ros.runtime.tasks import make_tasks, TaskStatistics
+from ladder_ros.runtime.tasks import make_tasks
 from ladder_ros.runtime.trial import (
     ChangeListener,
     DEFAULT_OVERRUN_LIMIT,
@@ -109,8 +109,7 @@ class Controller:
     @property
     def interval(self) -> int:
         """The scan interval in ns: the one asked for, else the program's, else 10 ms."""
-        cycle = self._programs.cycle
-        return self._interval or (cycle.interval if cycle else 0) or DEFAULT_INTERVAL
+        return self._interval_for(self._programs.cycle.interval if self._programs.cycle else 0)
 
     @property
     def statistics(self) -> Statistics:
@@ -118,27 +117,9 @@ class Controller:
         return self._recorder.read()
 
     @property
-    def overruns(self) -> int:
-        """How often a scan was not over when the next was due, since the last start."""
-        return self._recorder.overruns
-
-    @property
-    def tasks(self) -> tuple[TaskStatistics, ...]:
-        """The statistics of each task since the last start or change of the program."""
-        cycle = self._programs.cycle
-        return cycle.task_statistics() if cycle else ()
-
-    @property
-    def runs_as(self) -> str | None:
-        """The backend whose code runs now; None without a program."""
-        cycle = self._programs.cycle
-        return cycle.runs_as if cycle else None
-
-    @property
-    def share(self) -> Share:
-        """How much of the program is executed."""
-        cycle = self._programs.cycle
-        return cycle.share if cycle else Share()
+    def cycle(self) -> ScanCycle | None:
+        """The program that runs, to be read at any moment, or None."""
+        return self._programs.cycle
 
     @property
     def listener_error(self) -> str:
@@ -359,10 +340,9 @@ class Controller:
     def write_all(self, values: Iterable[Write], *, of: Executable | None = None) -> None:
         """Give variables values before the next scan, all in the same; never waits for a scan.
 
-        With ``catch_pulse`` a value that lasted for less than a scan is still seen by one.  ``of``
-        is the executable that the indices were taken from: should another one have taken its
-        place, the variables of these paths are written, if there still are some of their types.
-        Raises TypeError if a value is not of its slot's type.
+        With ``catch_pulse`` a value that lasted for less than a scan is still seen by one.  If
+        another program has taken the place of ``of``, which the indices were taken from, the
+        variables of these paths and types are written.  Raises TypeError for another type.
         """
         with self._programs.lock:
             cycle = self._loaded('writing')
@@ -370,20 +350,13 @@ class Controller:
             cycle.image.write(moved_writes(values, of or cycle.executable, cycle.executable))
 
     def inlet(self, executable: Executable) -> Inlet:
-        """Return a quick :meth:`write_all` for slots of one program: it waits for nobody.
-
-        It gets slots, values of their very types, and of which slots short pulses are to be seen.
-        """
+        """Return a quick :meth:`write_all`, for values of the very types of slots."""
         return self._programs.inlet(executable)
 
     def read(self, index: int) -> Value:
         """Return a variable's value after the last scan."""
         with self._turns.between_scans():
             return self._loaded('reading').state[index]
-
-    def peek(self, index: int) -> Value:
-        """Return a variable's value at this moment, be it in the middle of a scan."""
-        return self._loaded('reading').state[index]
 
     def snapshot(self) -> tuple[Executable, list[Value]]:
         """Return the program and a copy of all values, of one moment between two scans."""
@@ -479,7 +452,7 @@ class Controller:
             self._supervisor.end()
 
     def _scan_until_stopped(self) -> None:
-        # What is called here costs more than it seems: after a sleep nothing is in the caches.
+        # A call costs more than it seems: after a sleep nothing is in the caches.
         clock, turns, programs = self._clock, self._turns, self._programs
         deadline = self._due = clock.now()
         running = True

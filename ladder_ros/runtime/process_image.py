@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Collection, Iterable, Mapping, Sequence
 import threading
+from typing import TypeVar
 
 from ladder_ros.executable import Executable, Form, SlotClass, State
 from ladder_ros.model.types import DataType, normalise, Value
@@ -15,6 +16,8 @@ from ladder_ros.runtime.state_plan import StatePlan
 Write = tuple[int, Value, bool]
 """A slot's index, what it is to become, and whether a short pulse of it is to be seen."""
 
+
+_T = TypeVar('_T')
 
 Letter = tuple[Executable, Sequence[int], Sequence[Value], Collection[int]]
 """A program, slots of it, values of their very types, slots of which short pulses count."""
@@ -48,7 +51,7 @@ class PendingInputs:
         self.some: dict[int, Value] = {}
         """What the next scan is to see, by slot."""
         self._later: dict[int, Value] = {}
-        self._frozen: dict[int, Value] = {}
+        self._frozen: dict[int, Value | None] = {}  # of slots that catch pulses
 
     def write(self, values: Iterable[Write]) -> None:
         """Keep values for the next scan, which sees all of them or none.
@@ -63,11 +66,13 @@ class PendingInputs:
     def _write(self, values: Iterable[Write]) -> None:
         for index, value, catch_pulse in values:
             waiting = self.some.get(index, value)
-            if catch_pulse and waiting != value and waiting != self._frozen.get(index):
-                self._later[index] = value
-            else:
-                self.some[index] = value
-                self._later.pop(index, None)
+            if catch_pulse:
+                seen = self._frozen.setdefault(index)
+                if waiting not in (value, seen):
+                    self._later[index] = value
+                    continue
+            self.some[index] = value
+            self._later.pop(index, None)
 
     def put(self, letters: deque[Letter], executable: Executable) -> None:
         """Write what the letters say, to the slots of this program; there are none left then."""
@@ -86,19 +91,23 @@ class PendingInputs:
         """Return what the next scan is to see, which begins."""
         with self._lock:
             taken, self.some, self._later = self.some, self._later, {}
-            self._frozen.update(taken)
+            for index in self._frozen:
+                if index in taken:
+                    self._frozen[index] = taken[index]
         return taken
 
     def moved(self, moves: Mapping[int, int]) -> PendingInputs:
         """Return what is pending for another program; ``moves`` maps its slots from the old."""
         result = PendingInputs()
         with self._lock:
-            for old, new in (
-                (self.some, result.some), (self._later, result._later),
-                (self._frozen, result._frozen),
-            ):
-                new.update((moves[index], value) for index, value in old.items() if index in moves)
+            result.some = _moved(self.some, moves)
+            result._later = _moved(self._later, moves)
+            result._frozen = _moved(self._frozen, moves)
         return result
+
+
+def _moved(values: Mapping[int, _T], moves: Mapping[int, int]) -> dict[int, _T]:
+    return {moves[index]: value for index, value in values.items() if index in moves}
 
 
 class ProcessImage:
