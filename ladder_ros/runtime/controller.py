@@ -483,9 +483,10 @@ class Controller:
 
     def _scan(self, now: int, lateness: int, missed: int) -> bool:
         """Run one scan and tell the listeners; return False after a fault."""
-        programs = self._programs
-        self._turns.begin_scan()
-        try:
+        programs, turns = self._programs, self._turns
+        if turns.waiting:
+            turns.give_way()
+        with turns.scans:
             trial = programs.trial
             if trial is not None:
                 why = trial.why_over(self._clock.now(), self._recorder.overruns)
@@ -496,8 +497,6 @@ class Controller:
             if programs.shadow is not None:
                 programs.shadow.scan(self._loaded('scanning'), now + self.interval, missed)
             return True
-        finally:
-            self._turns.end_scan()
 
     def _scan_and_tell(self, now: int, lateness: int, missed: int) -> Fault | None:
         programs = self._programs
@@ -534,9 +533,8 @@ class Controller:
             self._fault = fault
             self._set_state(ControllerState.FAULTED)
         self._listeners.tell_scan(ScanResult(
-            number=number, now=now, executable=cycle.executable, values=cycle.image.state,
-            power=cycle.power, execution_ns=execution, fault=fault, executed=cycle.executed,
-            began=began))
+            number, now, cycle.executable, cycle.image.state, cycle.power, execution, fault,
+            cycle.executed, began))
         return fault
 
     def _give_up(self, error: LadderError) -> None:

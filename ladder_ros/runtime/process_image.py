@@ -126,7 +126,8 @@ class ProcessImage:
         self._make_state = form.make_state if form is not None else executable.make_state
         self.state = self._make_state(executable.outline.initial)
         self._types: dict[int, DataType] = {}
-        self._pending = PendingInputs()
+        self.pending = PendingInputs()
+        """What is to enter it."""
         self._forces: dict[int, Value] = {}
         self._behind: dict[int, Value] = {}  # values that wait behind a force
         self._outline = executable.outline
@@ -143,7 +144,7 @@ class ProcessImage:
         of its slot's type.
         """
         types = self._types
-        self._pending.write([
+        self.pending.write([
             (index, normalise(value, types.get(index) or self._type(index)), catch_pulse)
             for index, value, catch_pulse in values])
 
@@ -152,7 +153,7 @@ class ProcessImage:
 
         One thread at a time.
         """
-        self._pending.put(letters, self._executable)
+        self.pending.put(letters, self._executable)
 
     def _type(self, index: int) -> DataType:
         """Return the type of a slot, and keep it: slots may be read from afar."""
@@ -161,9 +162,7 @@ class ProcessImage:
 
     def freeze(self) -> Mapping[int, Value]:
         """Bring what is pending into the state, the inputs of one scan; return it by slot."""
-        if not self._pending.some:
-            return {}
-        taken = self._pending.take()
+        taken = self.pending.take()
         if not self._forces:
             for index, value in taken.items():
                 self.state[index] = value
@@ -236,7 +235,7 @@ class ProcessImage:
             self.state[index] = value
 
     def _take_pending_and_forces(self, other: ProcessImage, moves: Mapping[int, int]) -> None:
-        self._pending = other._pending.moved(moves)
+        self.pending = other.pending.moved(moves)
         for old_values, new_values in (
             (other._forces, self._forces), (other._behind, self._behind),
         ):

@@ -221,7 +221,7 @@ class ScanCycle:
         """
         self.now = now = now - self.offset
         self._current = None
-        self.taken = self.image.freeze()
+        self.taken = self.image.freeze() if self.image.pending.some else {}
         timer, functions, state = self._timer, self._functions, self.image.state
         observed = self.power is not None
         start = began = timer() if timer is not None else 0
