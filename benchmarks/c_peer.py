@@ -3,9 +3,10 @@
 """The peer of the benchmarks: a plant as C, in MatIEC's style and as an expert would write it.
 
 MatIEC's style: a variable is a structure of a value and flags, each write looks at the force
-flag; inputs and outputs are located, so that they are pointers, and each read looks at the flag
-too; each rung is one expression with operators that stop early, and a timer is a function of its
-structure.  The expert's: a byte a variable, and operators without branches.
+flag; inputs and outputs are located, so that they are pointers; each rung is one expression with
+operators that stop early, and a timer is a function of its structure.  To 2021, and in OpenPLC 3,
+each read of a located variable looks at the flag too; since then a force exchanges the pointer.
+The expert's: a byte a variable, and operators without branches.
 """
 
 from __future__ import annotations
@@ -84,7 +85,14 @@ static inline void ctu(CTU *d, BOOL cu, BOOL r, INT pv) {
 _ACCESS = re.compile(r'\b(GET|SET)\((\w+)')
 _VARIABLE = re.compile(r'\b((?:b_)?[kxmqi]\d+(?:_\d+)?|common)\b')
 
-STYLES = {'matiec': _MATIEC, 'expert': _EXPERT}
+_CHECKED_READ = '#define GET_LOCATED(x) (((x).flags & 2) ? (x).forced : *(x).value)'
+assert _CHECKED_READ in _MATIEC
+STYLES = {
+    'matiec': _MATIEC,
+    'matiec 2022': _MATIEC.replace(_CHECKED_READ, '#define GET_LOCATED(x) (*(x).value)'),
+    'expert': _EXPERT,
+}
+"""What a style's files begin with."""
 
 
 def _flat(plant: Plant) -> Iterator[Spec]:
@@ -158,8 +166,9 @@ class CPeer:
         names = list(dict.fromkeys((*plant.inputs, *outputs)))
         blocks = [(spec.kind.upper(), f'b_{spec.target}') for spec in specs
                   if spec.kind in ('ton', 'ctu')]
-        rung = _matiec_rung if style == 'matiec' else _expert_rung
-        located = set(plant.inputs) | _outputs(plant) if style == 'matiec' else set()
+        by_expert = style == 'expert'
+        rung = _expert_rung if by_expert else _matiec_rung
+        located = set() if by_expert else set(plant.inputs) | _outputs(plant)
         # One structure for all, in the order of the variables, as MatIEC has it.
         fields = ''.join(
             f'{"L" if name in located else "V"} {name};' for name in names) + ''.join(
@@ -174,7 +183,7 @@ class CPeer:
                 f'void f{start + k}(void) {{ {body} }}'
                 for k, body in enumerate(bodies[start:start + _FUNCTIONS])))
         files.append(folder / 'main.c')
-        value = '.value' if style == 'matiec' else ''
+        value = '' if by_expert else '.value'
         files[-1].write_text(
             '#include "all.h"\nTIME now; ALL all;\n'
             + ''.join(f'void f{k}(void);\n' for k in range(len(bodies)))

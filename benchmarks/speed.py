@@ -2,14 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every figure about speed, with its target and a verdict.
 
-usage: python benchmarks/speed.py [--only NAME ...] [--large] [--folder DIR]
+usage: python benchmarks/speed.py [--only NAME ...] [--large] [--folder DIR] [--matiec LIB]
 
 Scan times are compared with C that is made from the same rungs and compiled by gcc -O2: in
-MatIEC's style, and as an expert would write it.  All run in turn in this process, a hundred scans
+MatIEC's style (to 2021, as OpenPLC 3 has it: what the targets are about; since 2022), and as an
+expert would write it.  All run in turn in this process, a hundred scans
 each, on the same inputs; a figure is the median of rounds, and a ratio the median of the rounds'
-ratios, with the middle half of them in brackets.  Without gcc those figures are missing.  Real
-MatIEC, iec2c on the PATH, is looked for and named; it is not run yet.  --large adds 100,000 rungs,
-which takes long.
+ratios, with the middle half of them in brackets.  Without gcc those figures are missing.
+--matiec LIB adds MatIEC itself: iec2c on the PATH, and LIB, its folder lib; for flat programs of
+up to 1,000 rungs, since for 10,000 iec2c and gcc take minutes.  --large adds 100,000 rungs, which
+takes long.
 """
 
 from __future__ import annotations
@@ -33,7 +35,8 @@ import time
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / 'test'), str(ROOT)]
 
-from c_peer import CPeer  # noqa: E402
+from c_peer import CPeer, STYLES  # noqa: E402
+from matiec_peer import iec2c, MatiecPeer  # noqa: E402
 from support.plants import flat_plant, Plant, program_of, station_plant  # noqa: E402
 
 from ladder_ros.compiler import il_to_groups  # noqa: E402
@@ -51,6 +54,10 @@ from ladder_ros.source.read_any import parse_any  # noqa: E402
 
 ROUNDS, SCANS = 21, 100
 MS = 1_000_000
+PEERS = {'matiec': 'C, matiec', 'matiec 2022': 'C, matiec 2022', 'expert': 'C, expert',
+         'iec2c': 'MatIEC itself'}
+MATIEC_RUNGS = 1000
+"""Rungs of the largest flat program that MatIEC itself compiles here."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,7 +85,9 @@ def spread(values: Sequence[float], unit: str = '') -> str:
 class Contest:
     """A plant in several forms, which scan in turn on the same inputs."""
 
-    def __init__(self, plant: Plant, folder: Path, form: str = 'xml') -> None:
+    def __init__(
+        self, plant: Plant, folder: Path, form: str = 'xml', *, matiec: Path | None = None,
+    ) -> None:
         self.plant = plant
         self.rungs = len(plant.rungs) + plant.stations * len(plant.station)
         program = program_of(plant)
@@ -93,11 +102,13 @@ class Contest:
         for name, scan in (('native', self.executable.build(Variant())),
                            ('all', everything(compiled))):
             self._add(name, next(iter(scan.values())))
-        self.peers = {}
+        self.peers: dict[str, CPeer | MatiecPeer] = {}
         if shutil.which('gcc'):
-            for style in ('matiec', 'expert'):
-                peer = self.peers[style] = CPeer(plant, style, folder / style)
-                self.runners[style] = peer.scan
+            for style in STYLES:
+                self.peers[style] = CPeer(plant, style, folder / style)
+            if matiec is not None and len(plant.rungs) <= MATIEC_RUNGS:
+                self.peers['iec2c'] = MatiecPeer(plant, matiec, folder / 'iec2c')
+        self.runners.update({style: peer.scan for style, peer in self.peers.items()})
         if plant.stations:
             with one_by_one():
                 alone = compile_program(program, backend='native').executable
@@ -205,16 +216,16 @@ def compare(
         ratios = [c / ours for c, ours in zip(taken[style], taken[form], strict=True)]
         goal = target if style == 'matiec' else 0.0
         yield Figure(
-            what=f'{label}: times as fast as C, {style}', value=spread(ratios, 'x'),
+            what=f'{label}: times as fast as {PEERS[style]}', value=spread(ratios, 'x'),
             target=f'{goal:g}x' if goal else '',
             met=statistics.median(ratios) >= goal if goal else None)
 
 
-def scans(folder: Path, sizes: Sequence[int]) -> Iterator[Figure]:
+def scans(folder: Path, sizes: Sequence[int], matiec: Path | None) -> Iterator[Figure]:
     """Yield scan times over size and activity."""
     targets = {1000: 2.0, 10_000: 10.0, 100_000: 5.0}
     for size in sizes:
-        contest = Contest(flat_plant(size), folder / f'flat{size}')
+        contest = Contest(flat_plant(size), folder / f'flat{size}', matiec=matiec)
         yield from compare(contest, f'{size} rungs', 0.01, targets.get(size, 0.0))
         if size == 10_000:
             yield from compare(contest, f'{size} rungs', 0.001, 75.0)
@@ -224,11 +235,12 @@ def scans(folder: Path, sizes: Sequence[int]) -> Iterator[Figure]:
     yield from compare(contest, '1000 rungs, from PLCopen', 0.01, 2.0)
 
 
-def instances(folder: Path) -> Iterator[Figure]:
+def instances(folder: Path, matiec: Path | None) -> Iterator[Figure]:
     """Yield scan times of programs that consist of instances of one composite."""
     for what, seed, goal in (
             ('400 instances', 1, 100.0), ('400 instances with timers', 2, 100.0)):
-        contest = Contest(station_plant(10_000, seed), folder / what.replace(' ', '_'))
+        contest = Contest(
+            station_plant(10_000, seed), folder / what.replace(' ', '_'), matiec=matiec)
         for form, label, target in (
                 ('native', what, goal), ('all', f'{what}, all executed', 0.0),
                 ('one by one', f'{what}, one by one', 0.0)):
@@ -437,20 +449,24 @@ def main() -> int:
     parser.add_argument('--sizes', nargs='*', type=int, default=[1000, 10_000])
     parser.add_argument('--large', action='store_true', help='100,000 rungs too')
     parser.add_argument('--folder', type=Path, help='where the C is compiled')
+    parser.add_argument('--matiec', type=Path, metavar='LIB', help='the folder lib of MatIEC')
     options = parser.parse_args()
     if why_missing():
         raise SystemExit(f'there is no native code: {why_missing()}')
     sizes = [*options.sizes, *([100_000] if options.large else [])]
-    real = shutil.which('iec2c')
-    print(f'real MatIEC: {real or "not there"}')
+    matiec = options.matiec if iec2c() else None
+    print('MatIEC itself: ' + (
+        'not there, iec2c is not on the PATH' if iec2c() is None else
+        'left out, --matiec does not say where its folder lib is' if matiec is None
+        else str(iec2c())))
     missed = 0
     with tempfile.TemporaryDirectory() as temporary:
         folder = options.folder or Path(temporary)
         sections: dict[str, Callable[[], Iterator[Figure]]] = {
             'call': lambda: iter([call()]), 'ready': lambda: ready(sizes),
-            'scans': lambda: scans(folder, sizes),
+            'scans': lambda: scans(folder, sizes, matiec),
             'memory': lambda: chain.from_iterable(map(memory, sizes)),
-            'instances': lambda: instances(folder), 'lanes': lanes,
+            'instances': lambda: instances(folder, matiec), 'lanes': lanes,
             'change': lambda: iter([change()])}
         for name in options.only:
             for figure in sections[name]():

@@ -21,7 +21,7 @@ from ladder_ros.compiler.program_to_plcopen import write_plcopen
 from ladder_ros.compiler.program_to_st import write_il, write_st
 from ladder_ros.compiler.program_to_xml import write_xml
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location
-from ladder_ros.executable import Executable, Variant
+from ladder_ros.executable import Executable, FIRST_BACKEND, Variant
 from ladder_ros.model.types import Value
 from ladder_ros.proving_process import ProverProcess
 from ladder_ros.runtime.assurance import Assurance, Requirement
@@ -151,7 +151,7 @@ def export(path: str | os.PathLike[str], to: str) -> str:
 def compile_file(path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -> Loaded:
     """Compile a program file.  Raises LadderError with every error that was found."""
     program, source_hash, source = read_with_source(path)
-    again = again_from(program, source, os.fspath(path)) if backend == DEFAULT_BACKEND else None
+    again = again_from(program, source, os.fspath(path)) if backend == FIRST_BACKEND else None
     compilation = compile_program(
         program, backend=backend, source_hash=source_hash, again=again)
     if again is not None:
@@ -305,7 +305,7 @@ class Session:
                               source=data)
             compilation = COMPILER.compile(
                 data, os.fspath(path), backend=backend, timeout=timeout_s,
-                breathe=self._controller.breathe)
+                breathe=self._controller.breathe, source_hash=source_hash)
         return Loaded(
             path=os.fspath(path), name=compilation.executable.name, source_hash=source_hash,
             executable=compilation.executable, diagnostics=compilation.diagnostics, source=data)

@@ -106,15 +106,17 @@ class CompilerProcess:
 
     def compile(
         self, data: bytes, file: str, *, backend: str, timeout: float = DEFAULT_TIMEOUT,
-        breathe: Breathe = breathless,
+        breathe: Breathe = breathless, source_hash: str | None = None,
     ) -> Compilation:
         """Compile a program file's bytes; as ``compile_program`` otherwise.
+
+        ``source_hash`` is what ``file_hash`` says of them, for who knows it already.
 
         Raises LadderError with every error that was found, L0521 if it takes longer than
         ``timeout`` seconds.  ``breathe`` is called between the parts of what has to be done here.
         Without another process all is done in this one.
         """
-        source_hash = file_hash(data, file)
+        source_hash = file_hash(data, file) if source_hash is None else source_hash
         key = hashlib.sha256(f'{source_hash} {backend} {file}'.encode(errors='replace'))
         source = (data, file, backend, source_hash)
         if backend not in BACKENDS:

@@ -3,7 +3,9 @@
 """Graphs of a POU -> one drawing with wires, as PLCopen has them, evaluated in the same order.
 
 Where a contact would be read later than here, after something has written its variable, its power
-is kept in a variable of its own.
+is kept in a variable of its own.  Some editors execute coils and outVariables in order, each with
+the blocks that it needs, and what is left at the end: so a block that the statement behind it does
+not need gets a coil of its own.
 """
 
 from __future__ import annotations
@@ -93,8 +95,11 @@ class WireMaker:
         self.wires.append(Wire(source=Port(), target=Port(component=one.id)))
         return Port(component=one.id)
 
-    def call(self, instance: Instance, power: Port, pins: Sequence[tuple[str, str]]) -> None:
-        """Add a call of a function block whose EN takes the power; pins are given variables."""
+    def call(self, instance: Instance, power: Port, pins: Sequence[tuple[str, str]]) -> Port:
+        """Add a call of a function block whose EN takes the power; pins are given variables.
+
+        Returns what it gives when it was executed.
+        """
         height = 50 + _PIN * (len(pins) + 1)
         number = self.new_id()
         place = Placement(x=_LEFT + _COLUMN, y=self.row + 20, width=120, height=height)
@@ -107,6 +112,7 @@ class WireMaker:
                                    target=Port(component=number, pin=pin)))
         self.components.append(replace(instance, id=number, placement=place))
         self.wires.append(Wire(source=power, target=Port(component=number, pin='EN')))
+        return Port(component=number, pin='ENO')
 
     def coil(self, power: Port, operand: str, kind: CoilKind) -> None:
         """Add a coil on a line of its own."""
@@ -130,16 +136,37 @@ class _Network:
 
     def run(self) -> None:
         late = self.late_contacts()
-        for symbol in self.aov.symbols:
+        for place, symbol in enumerate(self.aov.symbols):
             component = symbol.component
             if isinstance(component, Contact):
                 self.contact(symbol, component, symbol.id in late)
             elif isinstance(component, Coil):
                 self.coil(symbol, component)
             elif isinstance(component, Block):
-                self.block(symbol, component)
+                is_drawn = self.block(symbol, component)
+                if not is_drawn and not self.is_needed_next(place):
+                    self.statement_coil(
+                        self.ports[symbol.id], self.maker.names.temporary(DataType.BOOL))
             elif isinstance(component, Instance):
                 self.instance(symbol, component)
+
+    def is_needed_next(self, place: int) -> bool:
+        """Say whether the statement behind a block needs what the block gives."""
+        behind = next((symbol.id for symbol in self.aov.symbols[place + 1:]
+                       if not isinstance(symbol.component, Contact)), None)
+        if behind is None:
+            return False
+        contacts = {s.id for s in self.aov.symbols if isinstance(s.component, Contact)}
+        passing = contacts.union(vertex.id for vertex in self.aov.virtuals)
+        waiting, seen = [behind], {behind}
+        while waiting:
+            taker = waiting.pop()
+            for arc in self.aov.arcs:
+                if arc.target == taker and arc.source not in seen:
+                    seen.add(arc.source)
+                    if arc.source in passing:
+                        waiting.append(arc.source)
+        return self.aov.symbols[place].id in seen
 
     # -- order ------------------------------------------------------------------------------
 
@@ -261,7 +288,8 @@ class _Network:
         self.connect(sources, Port(component=one.id))
         self.ports[symbol.id] = sources
 
-    def block(self, symbol: SymbolVertex, component: Block) -> None:
+    def block(self, symbol: SymbolVertex, component: Block) -> bool:
+        """Draw a block; say whether an outVariable at it has it executed in its turn."""
         kind = CATALOGUE[symbol.resolved.block or component.type.upper()]
         number = self.maker.new_id()
         bound = dict(symbol.resolved.inputs)
@@ -288,6 +316,7 @@ class _Network:
         self.ports[symbol.id] = (Port(component=number, pin=kind.power_output),)
         if kind.is_function and enabled != (Port(),) and kind.name not in SURE:
             self.zero_on_error(number, enabled, symbol.resolved.outputs)
+        return any('%data' not in str(operand) for _, operand in symbol.resolved.outputs)
 
     def guarded_outputs(self, number: str, bound: Sequence[tuple[str, Operand]]) -> None:
         """Take a function block's outputs where it was called: an outVariable always writes."""
@@ -382,6 +411,8 @@ class _Network:
         self.put(Instance(id=number, placement=place, instance=name,
                           composite=self.maker.names.types.own(composite.name)))
         self.connect(sources, Port(component=number, pin=called.pin))
+        self.statement_coil(
+            (Port(component=number, pin='ENO'),), self.maker.names.temporary(DataType.BOOL))
 
     def composite(self, component: Instance) -> Composite:
         scope = self.maker.names.scopes[f'composite {component.composite.casefold()}']

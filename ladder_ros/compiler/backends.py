@@ -58,9 +58,7 @@ def _native(
         python = python_code(code, slots, components, variant, form)
         return {body: on_values(scan) for body, scan in python.items()}
     program, rest = native_code(code, slots, components, variant, form)
-    cached = ObjectCache()
-    return load_native(
-        program, [make_object(text, cached) for text in program.modules], rest)
+    return load_native(program, _objects(program), rest)
 
 
 def many_copies(code: InstructionList, index: Slots, slots: Sequence[Slot]) -> Lanes | None:
@@ -69,9 +67,14 @@ def many_copies(code: InstructionList, index: Slots, slots: Sequence[Slot]) -> L
     program = emit_native(code, index, layout, lanes=LANES)
     if program.why_not:
         return None
+    return Lanes(
+        functions=load_lanes(program, _objects(program)), state=NativeLanes(layout, slots))
+
+
+def _objects(program: NativeProgram) -> list[bytes]:
+    """Return the object of each module, from the cache where it is there."""
     cached = ObjectCache()
-    objects = [make_object(text, cached) for text in program.modules]
-    return Lanes(functions=load_lanes(program, objects), state=NativeLanes(layout, slots))
+    return [make_object(text, cached) for text in program.modules]
 
 
 def native_code(

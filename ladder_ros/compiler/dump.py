@@ -40,10 +40,9 @@ def dump_stage(program: Program, stage: str, pou: str | None = None) -> str:
 
 
 def _chosen(program: Program, pou: str | None) -> list[Pou]:
-    pous: list[Pou] = [*program.composites, *program.bodies]
     if pou is None:
-        return pous
-    return [p for p in pous if p.name.casefold() == pou.casefold()]
+        return list(program.pous)
+    return [p for p in program.pous if p.name.casefold() == pou.casefold()]
 
 
 def _sections(

@@ -97,17 +97,28 @@ def _users(chunks: Sequence[Activity]) -> tuple[
 SYMBOL = 'event_scan'
 """The kernel's function: (state, now, area, tables) to how to go on."""
 
+_NUMBERS = ('count', 'size', 'words', 'shadow_at', 'large')
+_ADDRESSES = ('full_f', 'functions', 'word_starts', 'first', 'middle', 'end', 'rows',
+              'timer_starts', 'timers', 'written', 'shared')
+"""What stands in the tables by its name in the kernel, as :meth:`EventTables.bind` orders it."""
+
+
+def _loads(*names: str) -> str:
+    """Return what loads things from the tables."""
+    fields = (*_NUMBERS, *_ADDRESSES)
+    return ''.join(
+        f'  %{name}_p = getelementptr i64, ptr %t, i64 {fields.index(name)}\n'
+        f'  %{name} = load {"i64" if name in _NUMBERS else "ptr"}, ptr %{name}_p\n'
+        for name in names)
+
+
 _MARK = """
 define internal void @mark(ptr %t, ptr %bitmap, i64 %word, i64 %changed, i64 %last) {
 entry:
-  %large_p = getelementptr i64, ptr %t, i64 4
-  %large = load i64, ptr %large_p
-  %first_p = getelementptr i64, ptr %t, i64 8
-  %first = load ptr, ptr %first_p
+""" + _loads('large', 'first') + """\
   %end_p = getelementptr i64, ptr %t, i64 %last
   %ends = load ptr, ptr %end_p
-  %rows_p = getelementptr i64, ptr %t, i64 11
-  %rows = load ptr, ptr %rows_p
+""" + _loads('rows') + """\
   %base = shl i64 %word, 3
   %is_large = icmp ult i64 %base, %large
   %start = select i1 %is_large, i64 1, i64 %changed
@@ -154,10 +165,7 @@ done:
 _COMPARE = """
 define internal void @compare(ptr %s, ptr %a, ptr %t, i64 %last) {
 entry:
-  %size_p = getelementptr i64, ptr %t, i64 1
-  %size = load i64, ptr %size_p
-  %shadow_p = getelementptr i64, ptr %t, i64 3
-  %shadow_at = load i64, ptr %shadow_p
+""" + _loads('size', 'shadow_at') + """\
   %shadow = getelementptr i8, ptr %a, i64 %shadow_at
   %bitmap = getelementptr i8, ptr %a, i64 64
   br label %compare
@@ -209,25 +217,13 @@ done:
 _RESYNC = """
 define internal i8 @resync(ptr %s, i64 %now, ptr %a, ptr %t) {
 entry:
-  %count = load i64, ptr %t
-  %size_p = getelementptr i64, ptr %t, i64 1
-  %size = load i64, ptr %size_p
-  %words_p = getelementptr i64, ptr %t, i64 2
-  %words = load i64, ptr %words_p
+""" + _loads('count', 'size', 'words') + """\
   %bytes = shl i64 %words, 3
-  %shadow_p = getelementptr i64, ptr %t, i64 3
-  %shadow_at = load i64, ptr %shadow_p
+""" + _loads('shadow_at') + """\
   %shadow = getelementptr i8, ptr %a, i64 %shadow_at
   %bitmap = getelementptr i8, ptr %a, i64 64
   %valid_p = getelementptr i64, ptr %a, i64 2
-  %full_p = getelementptr i64, ptr %t, i64 5
-  %full_f = load ptr, ptr %full_p
-  %starts_p = getelementptr i64, ptr %t, i64 12
-  %starts = load ptr, ptr %starts_p
-  %timers_p = getelementptr i64, ptr %t, i64 13
-  %timers = load ptr, ptr %timers_p
-  %shared_p = getelementptr i64, ptr %t, i64 15
-  %shared = load ptr, ptr %shared_p
+""" + _loads('full_f', 'timer_starts', 'timers', 'shared') + """\
   call void @llvm.memcpy.p0.p0.i64(ptr %shadow, ptr %s, i64 %size, i1 false)
   %r = call i8 %full_f(ptr %s, i64 %now)
   %left = icmp ne i8 %r, 0
@@ -242,9 +238,9 @@ marks:
 chunk:
   %c = phi i64 [ 0, %marks ], [ %c_next, %chunk_done ]
   %c_next = add i64 %c, 1
-  %k_p = getelementptr i32, ptr %starts, i64 %c
+  %k_p = getelementptr i32, ptr %timer_starts, i64 %c
   %k_first = load i32, ptr %k_p
-  %k_end_p = getelementptr i32, ptr %starts, i64 %c_next
+  %k_end_p = getelementptr i32, ptr %timer_starts, i64 %c_next
   %k_end = load i32, ptr %k_end_p
   br label %timer
 timer:
@@ -288,8 +284,7 @@ unknown:
 full:
   %full_less = sub i64 %full_left, 1
   store i64 %full_less, ptr %a
-  %full_p = getelementptr i64, ptr %t, i64 5
-  %full_f = load ptr, ptr %full_p
+""" + _loads('full_f') + """\
   %full_r = call i8 %full_f(ptr %s, i64 %now)
   ret i8 %full_r
 last:
@@ -297,23 +292,10 @@ last:
   ret i8 %last_r
 event:
   call void @compare(ptr %s, ptr %a, ptr %t, i64 10)
-  %count = load i64, ptr %t
-  %words_p = getelementptr i64, ptr %t, i64 2
-  %words = load i64, ptr %words_p
-  %shadow_p = getelementptr i64, ptr %t, i64 3
-  %shadow_at = load i64, ptr %shadow_p
+""" + _loads('count', 'words', 'shadow_at') + """\
   %shadow = getelementptr i8, ptr %a, i64 %shadow_at
   %bitmap = getelementptr i8, ptr %a, i64 64
-  %functions_p = getelementptr i64, ptr %t, i64 6
-  %functions = load ptr, ptr %functions_p
-  %starts_p = getelementptr i64, ptr %t, i64 7
-  %starts = load ptr, ptr %starts_p
-  %timer_starts_p = getelementptr i64, ptr %t, i64 12
-  %timer_starts = load ptr, ptr %timer_starts_p
-  %timers_p = getelementptr i64, ptr %t, i64 13
-  %timers = load ptr, ptr %timers_p
-  %written_p = getelementptr i64, ptr %t, i64 14
-  %written = load ptr, ptr %written_p
+""" + _loads('functions', 'word_starts', 'timer_starts', 'timers', 'written') + """\
   br label %word
 word:
   %w = phi i64 [ 0, %event ], [ %w_next, %word_end ]
@@ -346,10 +328,10 @@ stop:
   store i64 0, ptr %valid_p
   ret i8 %r
 changes:
-  %j_p = getelementptr i32, ptr %starts, i64 %c
+  %j_p = getelementptr i32, ptr %word_starts, i64 %c
   %j_first = load i32, ptr %j_p
   %c_next = add i64 %c, 1
-  %j_end_p = getelementptr i32, ptr %starts, i64 %c_next
+  %j_end_p = getelementptr i32, ptr %word_starts, i64 %c_next
   %j_end = load i32, ptr %j_end_p
   br label %change
 change:

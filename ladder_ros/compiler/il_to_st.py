@@ -472,6 +472,8 @@ def _unsettled(value: _Value) -> _Value:
     return _Value(text=value.text, reads=value.reads | {''}, binds=value.binds)
 
 
+_COMPARISONS = {'GT': '>', 'GE': '>=', 'EQ': '=', 'LE': '<=', 'LT': '<', 'NE': '<>'}
+"""Operators (IEC 61131-3, table 55): not each compiler has the functions for BOOL."""
 _STANDARD = {'MUL_TIME': 'MULTIME', 'DIV_TIME': 'DIVTIME', 'STRING_TO_STRING': 'MOVE'}
 
 
@@ -497,8 +499,11 @@ def _application(
         parts = [f'{pin} := {value.text}' for pin, value in arguments if pin != 'EN']
         text = f'{spelled}({", ".join([*parts, f"ENO => {eno}"])})'
     else:
-        plain = ', '.join(value.text for pin, value in arguments if pin != 'EN')
-        text = f'{spelled}({plain})'
+        plain = [value.text for pin, value in arguments if pin != 'EN']
+        if kind.name in _COMPARISONS and len(plain) == 2:
+            text = f'({plain[0]} {_COMPARISONS[kind.name]} {plain[1]})'
+        else:
+            text = f'{spelled}({", ".join(plain)})'
     return _Value(text=text, reads=reads | {''})
 
 

@@ -47,8 +47,7 @@ def needed_pous(program: Program) -> tuple[Pou, ...]:
             continue
         needed[pou_key(pou)] = pou
         pending += [composites[name] for name in _uses(pou) if name in composites]
-    pous: list[Pou] = [*program.composites, *program.bodies]
-    return tuple(pou for pou in pous if pou_key(pou) in needed)
+    return tuple(pou for pou in program.pous if pou_key(pou) in needed)
 
 
 def _uses(pou: Pou) -> Iterator[str]:

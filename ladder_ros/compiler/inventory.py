@@ -21,7 +21,7 @@ from ladder_ros.model.component import (
     Instance,
     Row,
 )
-from ladder_ros.model.program import Pou, Program, Rung
+from ladder_ros.model.program import Program, Rung
 from ladder_ros.model.types import DataType
 
 
@@ -51,9 +51,8 @@ def list_tasks(program: Program, slots: Mapping[str, Slot]) -> tuple[TaskEntry, 
 
 def list_rungs(program: Program) -> tuple[RungEntry, ...]:
     """Return every rung as drawn, with a digest of its drawing."""
-    pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
-    drawn = [(pou.name, rung.id, _text(rung)) for pou in pous for rung in pou.rungs]
-    texts = [(pou.name, '1', repr(pou.statements)) for pou in pous if pou.statements]
+    drawn = [(pou.name, rung.id, _text(rung)) for pou in program.pous for rung in pou.rungs]
+    texts = [(pou.name, '1', repr(pou.statements)) for pou in program.pous if pou.statements]
     return tuple(
         RungEntry(pou=pou, rung=rung, digest=hashlib.blake2b(
             text.encode('utf-8', 'surrogatepass'), digest_size=8).hexdigest())

@@ -103,9 +103,8 @@ class _Resolver:
         shared = self._program_scope()
         for body in program.bodies:
             scopes[f'body {body.name.casefold()}'] = replace(shared, pou=body.name)
-        pous: list[Pou] = [*program.composites, *program.bodies]
         same = {} if self.before is None else same_rungs(*self.before, program, scopes)
-        for pou in pous:
+        for pou in program.pous:
             if id(pou) in known:
                 self.resolved.update(known[id(pou)].resolved)
             else:

@@ -281,7 +281,7 @@ def analyse(program: Program, earlier: Work | None = None) -> Stages:
     found = program.warnings + found
     wirings: dict[str, Sequence[Wiring | None]] = {}
     noted: set[int] = set()
-    for pou in _pous(program):
+    for pou in program.pous:
         if is_imported(pou):
             continue
         key = pou_key(pou)
@@ -301,7 +301,7 @@ def analyse(program: Program, earlier: Work | None = None) -> Stages:
     if not has_errors(found):
         graphs, wrong = _build_graphs(program, symbols, wirings, noted, earlier)
         found += wrong
-        if any(is_imported(pou) or pou.unsupported for pou in _pous(program)):
+        if any(is_imported(pou) or pou.unsupported for pou in program.pous):
             found += _lower_imported(program, symbols, graphs, texts)
     return Stages(symbols=symbols, wirings=wirings, graphs=graphs, texts=texts,
                   diagnostics=_in_order(found), noted=frozenset(noted))
@@ -313,7 +313,7 @@ def _lower_imported(
 ) -> tuple[Diagnostic, ...]:
     """Add the graphs of imported drawings and the code of texts; return what is wrong there."""
     needed = needed_pous(program)
-    found = unsupported_bodies(_pous(program), needed)
+    found = unsupported_bodies(program.pous, needed)
     for pou in needed:
         if not is_imported(pou) or pou.unsupported:
             continue
@@ -399,7 +399,7 @@ def build_trees(
     Inline composites are part of their users' rungs; ``inline`` asks for theirs too, to be shown.
     """
     trees: dict[str, Sequence[Forest]] = {}
-    for pou in _pous(program):
+    for pou in program.pous:
         key = pou_key(pou)
         if key in stages.graphs and (inline or not _is_inline(pou)):
             storage = access_key(program, pou)
@@ -415,7 +415,7 @@ def code_rungs(
     is_stored_alike = earlier is not None and (
         [v for v in earlier.program.variables if v.address]
         == [v for v in program.variables if v.address])
-    for pou in _pous(program):
+    for pou in program.pous:
         key = pou_key(pou)
         if key not in stages.graphs or _is_inline(pou):
             continue
@@ -437,10 +437,6 @@ def build_sequences(stages: Stages) -> dict[str, Sequence[Forest]]:
 def lower(forests: Mapping[str, Sequence[Forest]]) -> dict[str, Sequence[Network]]:
     """Lower each POU's trees to instructions."""
     return {key: [lower_to_il(forest) for forest in trees] for key, trees in forests.items()}
-
-
-def _pous(program: Program) -> tuple[Pou, ...]:
-    return (*program.composites, *program.bodies)
 
 
 def _is_inline(pou: Pou) -> bool:

@@ -41,7 +41,6 @@ from ladder_ros.model.program import (
     Composite,
     Direction,
     Parameter,
-    Port,
     Pou,
     Program,
     Rung,
@@ -336,10 +335,10 @@ class _Exporter:
         instance = maker.names.identifiers.fresh(f'{pou.name}_call')
         maker.names.hidden[instance] = pou.name
         power = maker.constant_contact(done, ContactKind.NORMALLY_CLOSED)
-        maker.call(Instance(id='', placement=Placement(x=0, y=0), composite=pou.name,
-                            instance=instance), power,
-                   [(d.name, d.name) for d in pou.declarations if d.section != 'localVars'])
-        maker.coil(Port(), done, CoilKind.SET)
+        executed = maker.call(
+            Instance(id='', placement=Placement(x=0, y=0), composite=pou.name, instance=instance),
+            power, [(d.name, d.name) for d in pou.declarations if d.section != 'localVars'])
+        maker.coil(executed, done, CoilKind.SET)
 
     def program_pou(
         self, name: str, bodies: Sequence[Body], shared: set[str], starts: Sequence[PouText],

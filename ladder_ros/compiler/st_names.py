@@ -36,7 +36,7 @@ KEYWORDS = frozenset(re.findall(r'\w+', _WORDS))
 
 SURE = frozenset({
     'ADD', 'SUB', 'MUL', 'MOVE', 'AND', 'OR', 'XOR', 'NOT', 'MAX', 'MIN', 'LIMIT', 'SEL', 'ABS',
-    'LEN', 'CONCAT', 'FIND', 'ADD_TIME', 'SUB_TIME',
+    'LEN', 'CONCAT', 'FIND', 'ADD_TIME', 'SUB_TIME', 'GT', 'GE', 'EQ', 'LE', 'LT', 'NE',
 })
 """Functions that have no arithmetic error: their ENO is EN."""
 

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 
 from ladder_ros.compiler.symbols import pou_key, Scope, Symbols
 from ladder_ros.model.component import Argument, Block, Coil, Contact, Instance
-from ladder_ros.model.program import Pou, Program, Rung
+from ladder_ros.model.program import Program, Rung
 
 
 def same_rungs(
@@ -28,9 +28,9 @@ def same_rungs(
     composites = {c.name.casefold(): id(c) for c in before.composites}
     changed = {c.name.casefold() for c in now.composites
                if composites.pop(c.name.casefold(), None) != id(c)} | composites.keys()
-    old = {pou_key(pou): pou for pou in _pous(before)}
+    old = {pou_key(pou): pou for pou in before.pous}
     found: dict[str, dict[int, int]] = {}
-    for pou in _pous(now):
+    for pou in now.pous:
         key = pou_key(pou)
         same = old.get(key)
         if same is None or getattr(same, 'call', None) is not getattr(pou, 'call', None):
@@ -42,10 +42,6 @@ def same_rungs(
             if id(rung) in here and id(rung) not in symbols.noted
             and (not other or other.isdisjoint(_names(rung)))}
     return found
-
-
-def _pous(program: Program) -> tuple[Pou, ...]:
-    return (*program.composites, *program.bodies)
 
 
 def _changed(before: Scope, now: Scope) -> set[str]:

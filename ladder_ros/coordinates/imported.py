@@ -53,16 +53,14 @@ def with_drawings(program: Program) -> Program:
     nevertheless; a body that cannot be drawn says why.  Raises LadderError if the program's
     declarations have errors.
     """
-    pous: list[Pou] = [*program.composites, *program.bodies]
-    if not any(rung.wires is not None for pou in pous for rung in pou.rungs):
+    if not any(rung.wires is not None for pou in program.pous for rung in pou.rungs):
         return program
     # A stand-in is drawn as the block that it stands for, and is not listed.
     complete = completed(program, stubs=True)
     symbols, found = resolve_symbols(complete)
     if has_errors(found):
         raise LadderError(found)
-    pous = [*complete.composites, *complete.bodies]
-    standing = {pou_key(pou): pou for pou in pous}
+    standing = {pou_key(pou): pou for pou in complete.pous}
     program = completed(program)
     return replace(
         program,

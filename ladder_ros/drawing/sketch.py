@@ -77,8 +77,7 @@ def chosen_pous(program: Program, pou: str | None, rung: str | None = None) -> l
 
     With a rung's name only the POUs that have it, with no other.  Raises KeyError if none is left.
     """
-    every: list[Pou] = [*program.composites, *program.bodies]
-    pous = [part for part in every if pou is None or part.name.casefold() == pou.casefold()]
+    pous = [part for part in program.pous if pou is None or part.name.casefold() == pou.casefold()]
     if pou is not None and not pous:
         raise KeyError(pou)
     if rung is None:

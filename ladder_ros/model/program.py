@@ -228,6 +228,11 @@ class Program:
     enumerations: Mapping[str, int] = field(default_factory=dict)
     """Values of enumerations by casefolded name, ``green`` and ``colour#green`` alike."""
     warnings: tuple[Diagnostic, ...] = ()
+
+    @property
+    def pous(self) -> tuple[Pou, ...]:
+        """The composites, then the bodies."""
+        return (*self.composites, *self.bodies)
     """What the reader of an imported file found and survived."""
     stubs: bool = False
     """Whether unknown blocks get stand-ins instead of an error."""

@@ -28,8 +28,7 @@ def cross_reference(program: Program) -> References:
     shared = {name.casefold() for name in (
         *(variable.name for variable in program.variables),
         *(name for name, _ in program.blocks))}
-    every: tuple[Pou, ...] = (*program.composites, *program.bodies)
-    for pou in every:
+    for pou in program.pous:
         own = _own(pou)
         for use in _uses(program, pou):
             name = _declared(use.name, own)

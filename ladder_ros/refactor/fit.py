@@ -145,8 +145,7 @@ class Scopes:
         variables = {variable.name.casefold(): variable for variable in program.variables}
         for body in program.bodies:
             shared.update(names_in(body.rungs))
-        pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
-        for pou in pous:
+        for pou in program.pous:
             key = pou_key(pou)
             if isinstance(pou, Body):
                 self._variables[key], self._uses[key] = variables, shared
@@ -239,8 +238,7 @@ def _access(found: Sequence[Access]) -> Access:
 
 def find_pou(program: Program, key: str) -> Pou:
     """Return a POU by its key."""
-    pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
-    return next(pou for pou in pous if pou_key(pou) == key)
+    return next(pou for pou in program.pous if pou_key(pou) == key)
 
 
 def rungs_of(pou: Pou, ids: Sequence[str]) -> tuple[Rung, ...]:

@@ -80,8 +80,7 @@ def inline_composite(program: Program, name: str) -> Program:
 
 
 def _first_use(program: Program, composite: str) -> _Use | None:
-    pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
-    return next((use for pou in pous for use in _uses(program, pou)
+    return next((use for pou in program.pous for use in _uses(program, pou)
                  if use.composite.name.casefold() == composite), None)
 
 

@@ -42,7 +42,7 @@ from ladder_ros.model.component import (
     Row,
     Side,
 )
-from ladder_ros.model.program import Composite, Direction, Pou, Program, Rung
+from ladder_ros.model.program import Composite, Direction, Program, Rung
 from ladder_ros.refactor.places import operands_of
 
 DEFAULT_RUNS = 21
@@ -209,8 +209,7 @@ def _time_once(read: Callable[[], Program]) -> tuple[float, float]:
 
 
 def _rungs(program: Program) -> Iterable[Rung]:
-    pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
-    return (rung for pou in pous for rung in pou.rungs)
+    return (rung for pou in program.pous for rung in pou.rungs)
 
 
 def _members(rungs: Iterable[Rung]) -> Iterable[Component]:

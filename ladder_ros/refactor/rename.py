@@ -185,7 +185,6 @@ def _everywhere(program: Program, change: Callable[[Component], Component]) -> P
         return with_rungs(pou, tuple(
             replace(rung, components=tuple(map(change, rung.components))) for rung in pou.rungs))
 
-    pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
-    for pou in pous:
+    for pou in program.pous:
         program = with_pou(program, changed(pou))
     return program

@@ -109,8 +109,7 @@ def analyse_program(program: Program) -> Analysis:
     """Analyse a program of our own format.  Raises LadderError with its errors."""
     symbols, found = resolve_symbols(program)
     graphs: dict[tuple[str, str], Aov] = {}
-    pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
-    for pou in pous:
+    for pou in program.pous:
         ends = not (isinstance(pou, Composite) and pou.call is CallKind.INLINE)
         for rung in pou.rungs:
             wiring, wrong = analyse_connections(rung, ends_in_output=ends)
@@ -123,7 +122,7 @@ def analyse_program(program: Program) -> Analysis:
     if has_errors(found):
         raise LadderError(found)
     return Analysis(program=program, symbols=symbols, graphs=graphs,
-                    keys={pou_key(pou): access_key(program, pou) for pou in pous})
+                    keys={pou_key(pou): access_key(program, pou) for pou in program.pous})
 
 
 class Shaper:

@@ -42,8 +42,7 @@ def forget(program: Program) -> Program:
 
 
 def _step(program: Program) -> tuple[Program, list[str]]:
-    pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
-    drawn = {component.composite.casefold() for pou in pous for rung in pou.rungs
+    drawn = {component.composite.casefold() for pou in program.pous for rung in pou.rungs
              for component in rung.components if isinstance(component, Instance)}
     removed = [f'composite {c.name}' for c in program.composites
                if c.name.casefold() not in drawn]

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.component import Instance
-from ladder_ros.model.program import Composite, Pou, Program, Rung, Use
+from ladder_ros.model.program import Composite, Program, Rung, Use
 from ladder_ros.source.grammar import LIBRARY
 from ladder_ros.source.xml_to_model import parse_program
 from ladder_ros.source.xml_tree import read_file
@@ -43,8 +43,7 @@ def with_libraries(program: Program, file: str) -> Program:
         for composite in _library(use, file):
             offered.setdefault(composite.name.casefold(), composite)
     own = {composite.name.casefold() for composite in program.composites}
-    pous: tuple[Pou, ...] = (*program.composites, *program.bodies)
-    rungs = [rung for pou in pous for rung in pou.rungs]
+    rungs = [rung for pou in program.pous for rung in pou.rungs]
     wanted = needed(rungs, {name: c for name, c in offered.items() if name not in own})
     return replace(program, composites=(*program.composites, *wanted))
 

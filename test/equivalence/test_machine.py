@@ -135,35 +135,35 @@ NETWORK 1
 """
 
 
-@pytest.mark.parametrize('values', list(product_of((False, True), repeat=5)))
-def test_temporary_when_what_is_called_has_one_of_its_name_then_it_is_kept(
-    values: tuple[bool, ...],
-) -> None:
-    code = parse_il(CALLS)
-    slots = {name: index for index, name in enumerate(('a', 'b', 'k', 'l', 'u.%active'))}
+def both_ways(
+    text: str, names: tuple[str, ...], values: tuple[bool, ...],
+) -> tuple[list[Value], list[Value]]:
+    """Return the state after ``main`` by the model and by the interpreter."""
+    code, slots = parse_il(text), {name: index for index, name in enumerate(names)}
     terms = Terms()
-    before = [terms.var(name, BOOL) for name in slots]
+    before = [terms.var(name, BOOL) for name in names]
     after = Machine(terms, code, slots.__getitem__).run(
         'main', before, terms.const(0, DataType.TIME))
     found = evaluate(terms, after, lambda term: values[slots[term.name]])
     state: list[Value] = list(values)
     interpret_il(code, slots, {})['main'](state, 0, None)
-    assert [found[term.number] for term in after] == state
+    return [found[term.number] for term in after], state
+
+
+@pytest.mark.parametrize('values', list(product_of((False, True), repeat=5)))
+def test_temporary_when_what_is_called_has_one_of_its_name_then_it_is_kept(
+    values: tuple[bool, ...],
+) -> None:
+    found, state = both_ways(CALLS, ('a', 'b', 'k', 'l', 'u.%active'), values)
+    assert found == state
 
 
 @pytest.mark.parametrize('values', list(product_of((False, True), repeat=4)))
 def test_code_when_it_jumps_forwards_then_it_does_what_the_interpreter_does(
     values: tuple[bool, ...],
 ) -> None:
-    code, slots = parse_il(JUMPS), {name: index for index, name in enumerate('abkl')}
-    terms = Terms()
-    before = [terms.var(name, BOOL) for name in 'abkl']
-    after = Machine(terms, code, slots.__getitem__).run(
-        'main', before, terms.const(0, DataType.TIME))
-    found = evaluate(terms, after, lambda term: values[slots[term.name]])
-    state: list[Value] = list(values)
-    interpret_il(code, slots, {})['main'](state, 0, None)
-    assert [found[term.number] for term in after] == state
+    found, state = both_ways(JUMPS, tuple('abkl'), values)
+    assert found == state
 
 
 def test_loop_when_its_rounds_depend_on_an_input_then_it_is_not_supported() -> None:
