@@ -286,13 +286,17 @@ class RoutineEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outline:
-    """What scans need to know of the slots: initial values, and the indices of some of them."""
+    """What scans need to know of the slots: initial values, and the indices of some of them.
+
+    ``named`` is how many a user can name.
+    """
 
     initial: tuple[Value, ...] = ()
     inputs: tuple[int, ...] = ()
     outputs: tuple[int, ...] = ()
     retained: tuple[int, ...] = ()
     located: tuple[int, ...] = ()
+    named: int = 0
 
 
 _NO_OUTLINE = Outline()
@@ -305,7 +309,13 @@ def outline_of(slots: Sequence[Slot]) -> Outline:
         inputs=tuple(slot.index for slot in slots if slot.slot_class is SlotClass.INPUT),
         outputs=tuple(slot.index for slot in slots if slot.slot_class is SlotClass.OUTPUT),
         retained=tuple(slot.index for slot in slots if slot.retain),
-        located=tuple(slot.index for slot in slots if slot.address))
+        located=tuple(slot.index for slot in slots if slot.address),
+        named=sum(not is_hidden(slot.path) for slot in slots))
+
+
+def is_hidden(path: str) -> bool:
+    """Say whether a slot's path is the compiler's, one that a user cannot write in a program."""
+    return '%' in path and any(part.startswith('%') for part in path.split('.'))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

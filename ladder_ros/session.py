@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from datetime import datetime, timezone
 import os
 from typing import TypeVar
+import zlib
 
 from ladder_ros.background.process import COMPILER
 from ladder_ros.compiler.backends import BACKENDS
@@ -157,7 +158,8 @@ def compile_file(path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -
     if again is not None:
         compilation.first(Variant())  # while the work that this needs is there
     return Loaded(
-        path=os.fspath(path), name=program.name, source_hash=source_hash, source=source,
+        path=os.fspath(path), name=program.name, source_hash=source_hash,
+        packed=zlib.compress(source) if source else b'',
         executable=compilation.executable, diagnostics=compilation.diagnostics)
 
 
@@ -302,13 +304,14 @@ class Session:
                     before.source_hash, before.backend) == (source_hash, backend):
                 return Loaded(path=os.fspath(path), name=before.name, source_hash=source_hash,
                               executable=before.executable, diagnostics=before.diagnostics,
-                              source=data)
+                              packed=zlib.compress(data))
             compilation = COMPILER.compile(
                 data, os.fspath(path), backend=backend, timeout=timeout_s,
                 breathe=self._controller.breathe, source_hash=source_hash)
         return Loaded(
             path=os.fspath(path), name=compilation.executable.name, source_hash=source_hash,
-            executable=compilation.executable, diagnostics=compilation.diagnostics, source=data)
+            executable=compilation.executable, diagnostics=compilation.diagnostics,
+            packed=zlib.compress(data))
 
     @property
     def refused(self) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ import pickle
 import re
 from types import CodeType, FunctionType
 from typing import Any, TypeVar
+import zlib
 
 from ladder_ros.background.code import Code
 from ladder_ros.blocks import FUNCTIONS
@@ -103,14 +104,11 @@ def _function(name: str) -> object:
 
 # -- native code ----------------------------------------------------------------------------------
 
-_NO_LAYOUT = NativeLayout(offsets=(), types=(), size=0)
-
-
 def pack_native(program: NativeProgram, rest: Mapping[str, Scan]) -> Iterator[bytes]:
     """Yield the parts of a native program but its code, and of what it leaves to Python."""
     layout = program.layout
-    yield pickle.dumps((replace(without_code(program), layout=_NO_LAYOUT),
-                        layout.size, len(layout.offsets)))
+    yield pickle.dumps((replace(without_code(program), layout=NativeLayout(
+        offsets=(), types=(), size=layout.size, outside=layout.outside)), len(layout.offsets)))
     yield from _pack_many(
         layout.offsets, lambda part: array('q', part).tobytes())
     yield from _pack_many(
@@ -120,11 +118,11 @@ def pack_native(program: NativeProgram, rest: Mapping[str, Scan]) -> Iterator[by
 
 def unpack_native(receive: Receive, breathe: Breathe) -> tuple[NativeProgram, Code]:
     """Read what :func:`pack_native` has written."""
-    program, size, count = pickle.loads(receive())
+    program, count = pickle.loads(receive())
     offsets = _unpack_many(receive, count, _numbers, breathe)
     types = _unpack_many(
         receive, count, lambda data: [DataType(name) for name in marshal.loads(data)], breathe)
-    layout = NativeLayout(offsets=tuple(offsets), types=tuple(types), size=size)
+    layout = replace(program.layout, offsets=tuple(offsets), types=tuple(types))
     return replace(program, layout=layout), unpack_code(receive, breathe)
 
 
@@ -178,7 +176,8 @@ def unpack_layout(receive: Receive, breathe: Breathe) -> dict[str, Any]:
 def _pack_parts(items: Sequence[object]) -> Iterator[bytes]:
     yield pickle.dumps(len(items))
     for start in range(0, len(items), PART):
-        yield pickle.dumps(tuple(items[start:start + PART]), protocol=pickle.HIGHEST_PROTOCOL)
+        yield zlib.compress(pickle.dumps(
+            tuple(items[start:start + PART]), protocol=pickle.HIGHEST_PROTOCOL))
 
 
 def _unpack_parts(receive: Receive, breathe: Breathe) -> Parts[Any]:
@@ -188,7 +187,7 @@ def _unpack_parts(receive: Receive, breathe: Breathe) -> Parts[Any]:
         if number % MANY == 0:
             breathe()
         packed.append(receive())
-    return Parts(packed, PART, size, pickle.loads)
+    return Parts(packed, PART, size, lambda data: pickle.loads(zlib.decompress(data)))
 
 
 # -- changes --------------------------------------------------------------------------------------

@@ -9,14 +9,15 @@ unless it is observed; then Python runs it on a copy of the state's values.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from contextlib import suppress
 import ctypes
 from dataclasses import dataclass, field, replace
 import hashlib
 from itertools import groupby
+from typing import Any
 
-from ladder_ros.compiler.event_kernel import EventTables, KERNEL, SYMBOL
+from ladder_ros.compiler.event_kernel import BoundTables, EventTables, KERNEL, NO_TICK, SYMBOL
 from ladder_ros.compiler.il import (
     active_flag,
     Instruction,
@@ -38,13 +39,20 @@ from ladder_ros.compiler.llvm_memory import (
     Chunk,
     FAILED,
     GO_ON,
-    LEFT,
     Memory,
     parameters,
     routine_symbol,
 )
 from ladder_ros.compiler.llvm_steps import NotNativeError
-from ladder_ros.compiler.native_state import arrange, NativeLayout, RoutineId
+from ladder_ros.compiler.llvm_ticks import emit_tick, own_times
+from ladder_ros.compiler.native_state import (
+    arrange,
+    NativeLayout,
+    PLAIN,
+    RoutineId,
+    SIGNATURE,
+    TIME,
+)
 from ladder_ros.compiler.symbols import Element, Operand, Ref
 from ladder_ros.executable import Scan, Slot, State
 from ladder_ros.model.catalogue import CATALOGUE
@@ -64,12 +72,13 @@ _CHUNKS = 32
 class Part:
     """A part of a body: a native function's symbol, or networks that Python runs.
 
-    ``chunks`` are the functions that a native one calls; ``tables`` say what they do, if there are
-    so many of them that it pays to leave some out.
+    ``chunks`` are the functions that a native one calls, and ``ticks`` theirs; ``tables`` say what
+    they do, if there are so many of them that it pays to leave some out.
     """
 
     symbol: str = ''
     chunks: tuple[str, ...] = ()
+    ticks: tuple[str, ...] = ()
     tables: EventTables | None = None
     networks: tuple[Network, ...] = ()
 
@@ -142,23 +151,29 @@ def emit_native(
 
     With ``lanes`` it is that of so many copies of the program at once.
     """
-    return _Emitter(code, Memory(slots=slots, layout=layout, forced=forced), lanes).emit()
+    memory = Memory(slots=slots, layout=layout, forced=forced)
+    return _Emitter(code, memory, own_times(code, slots), lanes).emit()
 
 
-@dataclass(slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class _Function:
-    """A function that is a chunk; its symbol says what is in it."""
+    """A function that is a chunk, or a tick; its symbol says what is in it.
+
+    A chunk may have a ``tick``.
+    """
 
     symbol: str
     chunk: Chunk
+    tick: _Function | None = None
 
     def text(self, lanes: int) -> str:
         return f'define i8 @{self.symbol}({parameters(lanes)}) {{\n{self.chunk.body}\n}}'
 
 
-def _named(chunk: Chunk) -> _Function:
+def _named(chunk: Chunk, tick: Chunk | None = None) -> _Function:
     digest = hashlib.sha256(chunk.body.encode()).hexdigest()[:32]
-    return _Function(symbol=f'chunk_{digest}', chunk=chunk)
+    return _Function(symbol=f'chunk_{digest}', chunk=chunk,
+                     tick=None if tick is None else _named(tick))
 
 
 def _jumps(routine: Routine) -> bool:
@@ -170,6 +185,7 @@ def _jumps(routine: Routine) -> bool:
 class _Emitter:
     code: InstructionList
     memory: Memory
+    own_times: Set[int]
     lanes: int = 1
     routines: dict[str, Activity] = field(default_factory=dict)
     """What the routines do that are native as a whole, by instance."""
@@ -274,16 +290,20 @@ class _Emitter:
             if not is_native:
                 yield Part(networks=tuple(n for n in several if isinstance(n, Network)))
                 continue
-            functions = list(self.chunks(several))
+            follows = self.lanes == 1 and sum(map(self.size, several)) >= LEAST_INSTRUCTIONS
+            functions = list(self.chunks(several, with_ticks=follows))
             symbol = f'body_{len(self.drivers)}'
             self.keep(functions)
             self.drivers.append(self.driver(symbol, functions))
-            size = sum(map(self.size, several))
+            if self.lanes == 1:
+                self.drivers.append(_entry(symbol))
             activities = [function.chunk.activity for function in functions]
             yield Part(
                 symbol=symbol, chunks=tuple(function.symbol for function in functions),
-                tables=EventTables(activities, self.memory.layout)
-                if self.lanes == 1 and size >= LEAST_INSTRUCTIONS else None)
+                ticks=tuple(function.tick.symbol if function.tick else NO_TICK
+                            for function in functions),
+                tables=EventTables(activities, self.memory.layout, self.own_times)
+                if follows else None)
 
     def fault(self, network: Network | GroupCode) -> str:
         """Return why a network is not native, or ''."""
@@ -304,23 +324,32 @@ class _Emitter:
 
     def chunks(
         self, items: Sequence[Network | GroupCode], *, is_inner: bool = False,
+        with_ticks: bool = False,
     ) -> Iterator[_Function]:
-        emitter = self.emitter(is_inner=is_inner)
-        count = size = 0
+        networks: list[Network] = []
+        size = 0
         for item in items:
-            is_group = isinstance(item, GroupCode)
-            if count and (is_group or count >= _NETWORKS
-                          or size + self.size(item) > _INSTRUCTIONS):
-                yield _named(emitter.chunk())
-                emitter = self.emitter(is_inner=is_inner)
-                count = size = 0
+            if networks and (isinstance(item, GroupCode) or len(networks) >= _NETWORKS
+                             or size + self.size(item) > _INSTRUCTIONS):
+                yield self.of_networks(networks, is_inner, with_ticks)
+                networks, size = [], 0
             if isinstance(item, GroupCode):
                 yield from map(_named, item.chunks)
-                continue
-            emitter.add(item)
-            count, size = count + 1, size + self.size(item)
-        if count:
-            yield _named(emitter.chunk())
+            else:
+                networks.append(item)
+                size += self.size(item)
+        if networks:
+            yield self.of_networks(networks, is_inner, with_ticks)
+
+    def of_networks(
+        self, networks: Sequence[Network], is_inner: bool, with_tick: bool,
+    ) -> _Function:
+        emitter = self.emitter(is_inner=is_inner)
+        for network in networks:
+            emitter.add(network)
+        chunk = emitter.chunk()
+        return _named(chunk, emit_tick(networks, self.memory, self.own_times) if (
+            with_tick and chunk.activity.timers) else None)
 
     def size(self, item: Network | GroupCode) -> int:
         """Return how many instructions something executes, about."""
@@ -331,7 +360,10 @@ class _Emitter:
             if i.call is not None and i.op in (Op.EXE, Op.RUN))
 
     def keep(self, functions: Sequence[_Function]) -> None:
-        self.functions.update((function.symbol, function) for function in functions)
+        for function in functions:
+            self.functions[function.symbol] = function
+            if function.tick is not None:
+                self.functions[function.tick.symbol] = function.tick
 
     def driver(self, symbol: str, functions: Sequence[_Function]) -> str:
         """Return functions that call others one after the other, at last one of that name."""
@@ -371,6 +403,24 @@ class _Emitter:
         yield '\n'.join((*declared, *self.drivers))
 
 
+def _entry(symbol: str) -> str:
+    """Return the function by which Python calls a body: it takes the time from the state.
+
+    Who follows changes is told that it does not know what has been written.
+    """
+    return '\n'.join((
+        f'define i8 @{entry_symbol(symbol)}(ptr %s) {{',
+        f'%now_p = getelementptr i8, ptr %s, i64 {TIME}', '%now = load i64, ptr %now_p',
+        f'%signature_p = getelementptr i8, ptr %s, i64 {SIGNATURE}',
+        'store i64 0, ptr %signature_p',
+        f'%r = call i8 @{symbol}(ptr %s, i64 %now)', 'ret i8 %r', '}'))
+
+
+def entry_symbol(symbol: str) -> str:
+    """Return the name of the function by which Python calls a body."""
+    return f'{symbol}_entry'
+
+
 def _may_fail(instruction: Instruction) -> bool:
     """Say whether an instruction may have no native form; most have one."""
     return instruction.call is not None or instruction.op is Op.MOV or isinstance(
@@ -402,9 +452,6 @@ def without_code(program: NativeProgram) -> NativeProgram:
 
 # -- running -------------------------------------------------------------------------------------
 
-_Step = Callable[..., int]
-"""A native function: the state's address and the time to how to go on."""
-
 _PartScan = Callable[[State, int, 'list[bool] | None'], 'bool | None']
 """Runs a part of a body; says whether the body is to be left."""
 
@@ -420,9 +467,12 @@ def load_native(
     linked = Linked(objects)
 
     def part_scan(part: Part) -> _PartScan:
-        if by_events and part.tables is not None:
-            return _by_events(part, part.tables, linked)
-        return _native_part(_PLAIN(linked.address(part.symbol)), linked)
+        if not by_events or part.tables is None:
+            return _native_part(_CALLED(linked.address(entry_symbol(part.symbol))), linked)
+        bound = part.tables.bind(
+            [linked.address(symbol) for symbol in part.chunks],
+            [linked.address(symbol) for symbol in part.ticks], linked.address(part.symbol))
+        return _native_part(_CALLED(linked.address(SYMBOL)), linked, bound)
 
     def scan_of(body: str, parts: Sequence[Part]) -> Scan:
         steps = [
@@ -433,44 +483,32 @@ def load_native(
     return {body: scan_of(body, parts) for body, parts in program.parts.items()}
 
 
-_PLAIN = ctypes.CFUNCTYPE(ctypes.c_int8, ctypes.c_void_p, ctypes.c_int64)
-_KERNEL = ctypes.CFUNCTYPE(
-    ctypes.c_int8, ctypes.c_void_p, ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)
+_CALLED = ctypes.CFUNCTYPE(ctypes.c_int8)
 
 
-def _native_part(step: _Step, linked: Linked) -> _PartScan:
-    def scan(
-        state: State, now: int, power: list[bool] | None, keeps: Linked = linked,
-    ) -> bool:
-        answer = step(state.address, now)  # type: ignore[attr-defined]
-        if answer:
-            _check(answer)
-        return answer == LEFT
-
-    return scan
-
-
-def _by_events(part: Part, tables: EventTables, linked: Linked) -> _PartScan:
-    bound = tables.bind(
-        [linked.address(symbol) for symbol in part.chunks], linked.address(part.symbol))
-    step = _KERNEL(linked.address(SYMBOL))
-    size, place = tables.area, ctypes.addressof(bound)
+def _native_part(
+    step: Any, linked: Linked, owner: BoundTables | None = None,
+) -> _PartScan:
+    """Return what calls a native function; its ``owner`` are the tables that it uses."""
+    step.argtypes = None  # what it is called with needs no conversion
+    number = PLAIN if owner is None else owner.number
 
     def scan(
-        state: State, now: int, power: list[bool] | None, keeps: object = (linked, bound),
+        state: State, now: int, power: list[bool] | None, keeps: object = (linked, owner),
     ) -> bool:
-        area = state.area(place, size)  # type: ignore[attr-defined]
-        answer = step(state.address, now, area, place)  # type: ignore[attr-defined]
-        if answer:
-            _check(answer)
-        return bool(answer == LEFT)
+        try:
+            time, place = state.arguments[number]  # type: ignore[attr-defined]
+        except KeyError:
+            time, place = state.admit(owner)  # type: ignore[attr-defined]
+        time[0] = now
+        answer = step(place)
+        if not answer:
+            return False
+        if answer == FAILED:
+            raise LoopError('a loop does not end')
+        return True
 
     return scan
-
-
-def _check(answer: int) -> None:
-    if answer == FAILED:
-        raise LoopError('a loop does not end')
 
 
 def _python_part(part: Scan) -> _PartScan:

@@ -9,6 +9,7 @@ STRINGs, which native code does not touch, stay Python objects.
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import (
     Callable,
     Iterable,
@@ -23,7 +24,8 @@ from dataclasses import dataclass, field
 from itertools import groupby, repeat
 from operator import itemgetter
 import struct
-from typing import Any, overload
+from typing import Any, overload, Protocol
+import weakref
 
 from ladder_ros.compiler.symbols import Literal
 from ladder_ros.executable import Slot
@@ -70,7 +72,8 @@ class Group:
 class NativeLayout:
     """Where each slot lies: its offset in bytes, or -1 for a STRING; ``size`` of all in bytes.
 
-    ``types`` are the slots' types.  Offsets are multiples of the types' sizes.  ``rows`` are slots
+    ``types`` are the slots' types.  Offsets are multiples of the types' sizes.  In the first
+    ``outside`` bytes there is nothing that the program itself writes.  ``rows`` are slots
     that lie side by side, with nothing behind them up to a multiple of ABREAST elements; they are
     there for the ``groups`` of networks, by the name of the routine.
     """
@@ -78,6 +81,7 @@ class NativeLayout:
     offsets: tuple[int, ...]
     types: tuple[DataType, ...]
     size: int
+    outside: int = 0
     groups: Mapping[RoutineId, tuple[Group, ...]] = field(default_factory=dict)
     rows: frozenset[tuple[int, ...]] = frozenset()
 
@@ -91,42 +95,41 @@ def arrange(
     slots: Sequence[Slot], written: Iterable[int] = (), arrays: Iterable[range] = (),
     groups: Mapping[RoutineId, tuple[Group, ...]] | None = None,
 ) -> NativeLayout:
-    """Lay the slots out by size, the largest first.
+    """Lay the slots out: what is never ``written`` (inputs) first, then all else.
 
-    Among those of one size, variables of ``groups`` come first, a row each; then what is never
-    written (inputs), then elements of ``arrays`` in their order, so that an array of structures
-    has a regular step, then all else in the order in which it is ``written``: what a rung needs
-    lies together.
+    Each of the two by size, the largest first.  Among those of one size, variables of ``groups``
+    come first, a row each; then elements of ``arrays`` in their order, so that an array of
+    structures has a regular step, then all else in the order in which it is ``written``: what a
+    rung needs lies together.
     """
     order = {index: place for place, index in enumerate(dict.fromkeys(written))}
     in_arrays = {index for array in arrays for index in range(array.start, array.stop)}
     types = tuple(slot.type for slot in slots)
     rows = _rows(groups or {}, types, in_arrays)
     in_rows = {index for row in rows for index in row}
-
-    def place(index: int) -> tuple[int, int]:
-        if index in in_arrays:
-            return 1, index
-        return (2, order[index]) if index in order else (0, index)
-
-    single: dict[int, list[int]] = {size: [] for size in SIZE.values()}
-    for index, type_ in enumerate(types):
-        if type_ in SIZE and index not in in_rows:
-            single[SIZE[type_]].append(index)
+    inner = order.keys() | in_arrays
     offsets = [-1] * len(slots)
-    end = 0
-    for size in sorted(single, reverse=True):
-        for row in rows:
-            if SIZE[types[row[0]]] == size:
-                end += -end % ABREAST
-                for number, index in enumerate(row):
-                    offsets[index] = end + number * size
-                end += whole_rows(len(row)) * size
-        for index in sorted(single[size], key=place):
-            offsets[index] = end
-            end += size
+    ends = [0]
+    for is_inner in (False, True):
+        single: dict[int, list[int]] = {size: [] for size in SIZE.values()}
+        for index, type_ in enumerate(types):
+            if type_ in SIZE and index not in in_rows and (index in inner) is is_inner:
+                single[SIZE[type_]].append(index)
+        end = ends[-1]
+        for size in sorted(single, reverse=True):
+            for row in rows:
+                if SIZE[types[row[0]]] == size and inner.isdisjoint(row) is not is_inner:
+                    end += -end % ABREAST
+                    for number, index in enumerate(row):
+                        offsets[index] = end + number * size
+                    end += whole_rows(len(row)) * size
+            for index in sorted(single[size], key=lambda index: (
+                    (0, index) if index in in_arrays else (1, order.get(index, index)))):
+                offsets[index] = end
+                end += size
+        ends.append(end + -end % _BLOCK)
     return NativeLayout(
-        offsets=tuple(offsets), types=types, size=(end + _BLOCK - 1) // _BLOCK * _BLOCK,
+        offsets=tuple(offsets), types=types, outside=ends[1], size=ends[2],
         groups=groups or {}, rows=frozenset(rows))
 
 
@@ -146,6 +149,12 @@ def _rows(
     return found
 
 
+_LETTERS = sorted(set(FORMAT.values()))
+_VIEWS = {type_: 2 * _LETTERS.index(letter) for type_, letter in FORMAT.items()}
+"""The numbers of the views of a state's memory; there are two of each, then these."""
+_WHOLE, _TEXT_VIEW = 2 * len(_LETTERS), 2 * len(_LETTERS) + 1
+
+
 class StateForm:
     """Makes states of one layout; knows how to read and write all slots at once."""
 
@@ -161,9 +170,16 @@ class StateForm:
         places = {index: place for place, index in enumerate((*order, *self.texts))}
         self.gather = _picker([places[index] for index in range(len(layout.offsets))])
         self.scatter = _picker(order)
-        self.formats = [FORMAT.get(type_, '') for type_ in layout.types]
-        self.places = [offset // SIZE[type_] if offset >= 0 else -1
-                       for offset, type_ in zip(layout.offsets, layout.types, strict=True)]
+        self.views = bytes([
+            _TEXT_VIEW if offset < 0 else _VIEWS[type_] + (offset < layout.outside)
+            for offset, type_ in zip(layout.offsets, layout.types, strict=True)])
+        """The number of the view of the memory that each slot is in, odd where only ``outside``
+        writes."""
+        self.places = array('I', [
+            index if offset < 0 else offset // SIZE[type_]
+            for index, (offset, type_) in enumerate(
+                zip(layout.offsets, layout.types, strict=True))])
+        """Each slot's place in its view."""
 
     def __call__(self, values: Sequence[Value]) -> NativeState:
         """Return a state with these values, one a slot."""
@@ -185,51 +201,80 @@ def _picker(places: Sequence[int]) -> Callable[[Sequence[Value]], Sequence[Value
     return itemgetter(*places)
 
 
+SIGNATURE = -8
+"""Where the state is signed, from its address: the last who wrote what is not from outside."""
+_HEADER = 64
+"""Bytes before a state, and what its address is a multiple of."""
+
+
+Argument = tuple[memoryview, ctypes.c_void_p]
+"""What native code is called with: where the time is to be written, and an address."""
+
+PLAIN = 0
+"""The number of the argument for code that notes nothing; its address is the state's."""
+TIME = -16
+"""Where that code finds the time, from its address."""
+
+
+class Owner(Protocol):
+    """Code that notes things about states, in memory of theirs, its ``area``.
+
+    The area begins with the addresses of the state and of the owner's tables, and the time; zero
+    is behind them at first.
+    """
+
+    number: int
+    """No other's ever, nor PLAIN."""
+    area: int
+    """The bytes that it needs for a state."""
+    address: int
+    """Its tables."""
+
+
 class NativeState(MutableSequence[Value]):
     """One value a slot, in memory at ``address``; a BOOL reads as bool, a number as int or float.
 
-    Of fixed length: slices can be written with as many values.
+    Of fixed length: slices can be written with as many values.  At SIGNATURE is the address of
+    who last wrote slots that are not from ``outside``, with zero for all that do not care: the
+    methods here, and native code but an owner's.
     """
 
-    __slots__ = ('_areas', '_cells', '_memory', '_texts', '_views', 'address', 'form')
+    __slots__ = ('_kept', '_places', '_signature', '_slot_views', '_texts', '_views', 'address',
+                 'arguments', 'form')
 
     def __init__(self, form: StateForm, values: Sequence[Value]) -> None:
         """Take the values in."""
         self.form = form
-        self._areas: dict[int, tuple[int, object]] = {}
-        self._memory = ctypes.create_string_buffer(form.layout.size + 64)
-        start = ctypes.addressof(self._memory)
-        skip = -start % 64
-        self.address = start + skip
-        whole: Any = memoryview(self._memory).cast('B')[skip:skip + form.layout.size]
-        views = {letter: whole.cast(letter) for letter in set(form.formats) - {''}}
+        self._kept: dict[int, weakref.ref[Owner]] = {}
+        whole: Any
+        whole, self.address = _aligned(form.layout.size, _HEADER)
+        self._signature = whole[_HEADER + SIGNATURE:_HEADER].cast('Q')
+        self.arguments: dict[int, Argument] = {PLAIN: _argument(
+            whole[_HEADER + TIME:_HEADER + TIME + 8], self.address)}
+        """What native code is called with, by its number."""
+        whole = whole[_HEADER:]
         self._texts: list[Value] = [''] * (len(form.texts) and len(form.places))
-        self._views: dict[str, Any] = {**views, '': self._texts, 'B': whole}
-        self._cells = [
-            (self._views[letter], place if letter else index)
-            for index, (letter, place) in enumerate(zip(form.formats, form.places, strict=True))]
+        self._views: list[Any] = [
+            view for letter in _LETTERS for view in (whole.cast(letter),) * 2]
+        self._views += [whole, self._texts]
+        self._slot_views, self._places = form.views, form.places
         self[:] = values
 
-    @property
-    def memory(self) -> memoryview:
-        """The bytes of all slots but STRINGs."""
-        whole: memoryview = self._views['B']
-        return whole
+    def admit(self, owner: Owner) -> Argument:
+        """Make an area for an owner, and return what it is called with.
 
-    def area(self, owner: int, size: int) -> int:
-        """Return the address of memory in which native code notes things about this state.
-
-        It is zero at first, aligned to 64 bytes, and the same for each call of one ``owner``.
+        Areas of owners that are gone are freed.
         """
-        found = self._areas.get(owner)
-        if found is None:
-            memory = ctypes.create_string_buffer(size + 64)
-            start = ctypes.addressof(memory)
-            found = self._areas[owner] = (start + -start % 64, memory)
-        return found[0]
+        for number in [number for number, kept in self._kept.items() if kept() is None]:
+            del self._kept[number], self.arguments[number]
+        area, address = _aligned(owner.area)
+        area[:16].cast('Q')[:] = array('Q', [self.address, owner.address])
+        self._kept[owner.number] = weakref.ref(owner)
+        found = self.arguments[owner.number] = _argument(area[16:24], address)
+        return found
 
     def __len__(self) -> int:
-        return len(self._cells)
+        return len(self._places)
 
     @overload
     def __getitem__(self, index: int) -> Value: ...
@@ -238,12 +283,13 @@ class NativeState(MutableSequence[Value]):
     def __getitem__(self, index: slice) -> list[Value]: ...
 
     def __getitem__(self, index: int | slice) -> Value | list[Value]:
+        views = self._views
         if isinstance(index, slice):
             if index == slice(None):
                 return list(self)
-            return [view[place] for view, place in self._cells[index]]
-        view, place = self._cells[index]
-        value: Value = view[place]
+            return [views[view][place] for view, place in zip(
+                self._slot_views[index], self._places[index], strict=True)]
+        value: Value = views[self._slot_views[index]][self._places[index]]
         return value
 
     @overload
@@ -254,16 +300,21 @@ class NativeState(MutableSequence[Value]):
 
     def __setitem__(self, index: int | slice, value: Any) -> None:
         if isinstance(index, int):
-            view, place = self._cells[index]
-            view[place] = value
-        elif index == slice(None):
+            view = self._slot_views[index]
+            self._views[view][self._places[index]] = value
+            if not view & 1:
+                self._signature[0] = 0
+            return
+        self._signature[0] = 0
+        if index == slice(None):
             form = self.form
-            form.struct.pack_into(self._views['B'], 0, *form.scatter(value))
+            form.struct.pack_into(self._views[_WHOLE], 0, *form.scatter(value))
             for text in form.texts:
                 self._texts[text] = value[text]
         else:
-            for (view, place), single in zip(self._cells[index], value, strict=True):
-                view[place] = single
+            for view, place, single in zip(
+                    self._slot_views[index], self._places[index], value, strict=True):
+                self._views[view][place] = single
 
     def __delitem__(self, index: int | slice) -> None:
         raise TypeError('a state has a fixed number of slots')
@@ -274,7 +325,20 @@ class NativeState(MutableSequence[Value]):
 
     def __iter__(self) -> Iterator[Value]:
         form = self.form
-        values: tuple[Any, ...] = form.struct.unpack_from(self._views['B'])
+        values: tuple[Any, ...] = form.struct.unpack_from(self._views[_WHOLE])
         if form.texts:
             values += tuple(self._texts[text] for text in form.texts)
         return iter(form.gather(values))
+
+
+def _aligned(size: int, before: int = 0) -> tuple[memoryview, int]:
+    """Return memory of zeros, and its address behind the first bytes: a multiple of 64."""
+    memory = ctypes.create_string_buffer(before + size + 64)
+    start = ctypes.addressof(memory)
+    skip = -(start + before) % 64
+    return memoryview(memory).cast('B')[skip:skip + before + size], start + skip + before
+
+
+def _argument(time: memoryview, address: int) -> Argument:
+    """Return what code is called with; memory that the time is in lives as long."""
+    return time.cast('q'), ctypes.c_void_p(address)

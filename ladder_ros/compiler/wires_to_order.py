@@ -153,9 +153,10 @@ def _statements(rung: Rung, network_of: Mapping[str, str]) -> Sequence[Component
         if isinstance(c, (Coil, OutVariable, Jump, Label, Block, Instance))]
     if rung.order is Order.DOCUMENT:
         return listed
-    listed.sort(key=cmp_to_key(_compare))
+    if rung.order is not Order.DOCUMENT_KIND:
+        listed.sort(key=cmp_to_key(_compare))
     by_kind = list(listed)
-    if rung.order is Order.POSITION_KIND:
+    if rung.order in (Order.POSITION_KIND, Order.DOCUMENT_KIND):
         by_kind.sort(key=lambda component: isinstance(component, (Block, Instance)))
     if not any(isinstance(component, (Jump, Label)) for component in listed):
         return by_kind

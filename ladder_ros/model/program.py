@@ -106,11 +106,13 @@ class Order(Enum):
 
     POSITION_ALL: one list of coils, outVariables and blocks by position.  POSITION_KIND: coils and
     outVariables by position, then the blocks that were not reached.  DOCUMENT: as in the file.
+    DOCUMENT_KIND: coils and outVariables as in the file, then the blocks that were not reached.
     """
 
     POSITION_ALL = 'position-all'
     POSITION_KIND = 'position-kind'
     DOCUMENT = 'document'
+    DOCUMENT_KIND = 'document-kind'
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

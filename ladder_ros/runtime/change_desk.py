@@ -190,7 +190,7 @@ class ChangeDesk:
         """Change nothing but the path: the program is the same."""
         again = Loaded(
             path=loaded.path, name=loaded.name, source_hash=loaded.source_hash,
-            executable=before.executable, diagnostics=loaded.diagnostics, source=loaded.source)
+            executable=before.executable, diagnostics=loaded.diagnostics, packed=loaded.packed)
         self._known[id(again.executable)] = again
         return self._note(Change(
             kind=ChangeKind.UNCHANGED, loaded=again, time=self._stamp(), before=_names(before),

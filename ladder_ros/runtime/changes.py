@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+import zlib
 
 from ladder_ros.diagnostics import Diagnostic
 from ladder_ros.executable import Executable
-from ladder_ros.runtime.names import named_slots
 from ladder_ros.runtime.online_change import SwapReport
 from ladder_ros.runtime.trial import ChangeKind
 
@@ -17,7 +17,7 @@ from ladder_ros.runtime.trial import ChangeKind
 class Loaded:
     """A program file, compiled: ``source_hash`` is the SHA-256 of its bytes.
 
-    ``source`` are the bytes; empty for a program that is a folder.
+    ``packed`` are the bytes, deflated: they are rarely needed.
     """
 
     path: str
@@ -25,7 +25,12 @@ class Loaded:
     source_hash: str
     executable: Executable
     diagnostics: tuple[Diagnostic, ...] = ()
-    source: bytes = field(default=b'', repr=False, compare=False)
+    packed: bytes = field(default=b'', repr=False, compare=False)
+
+    @property
+    def source(self) -> bytes:
+        """The file's bytes; empty for a program that is a folder."""
+        return zlib.decompress(self.packed) if self.packed else b''
 
     @property
     def backend(self) -> str:
@@ -60,7 +65,7 @@ class Change:
         nothing = SwapReport(kept=(), initialised=(), dropped=())
         found = (report or nothing).to_json()
         if report is None:
-            found['initialised'] = len(named_slots(self.loaded.executable))
+            found['initialised'] = self.loaded.executable.outline.named
         return {
             'kind': self.kind.value, 'time': self.time, 'reason': self.reason or None,
             'program': self.loaded.name, 'path': self.loaded.path,

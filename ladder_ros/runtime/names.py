@@ -7,9 +7,8 @@ from __future__ import annotations
 import difflib
 
 from ladder_ros.diagnostics import LadderError, Location
-from ladder_ros.executable import ARITHMETIC_ERRORS, Executable, Slot
+from ladder_ros.executable import ARITHMETIC_ERRORS, Executable, is_hidden, Slot
 from ladder_ros.model.types import Value
-from ladder_ros.runtime.online_change import is_hidden
 from ladder_ros.runtime.values import check_value, parse_value
 
 _MOST_COMPARED = 5000

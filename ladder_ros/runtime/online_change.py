@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
-from ladder_ros.executable import Slot, SlotClass
+from ladder_ros.executable import is_hidden, Slot, SlotClass
 from ladder_ros.model.types import NS_PER_MS
 from ladder_ros.runtime.quiet import Breathe, breathless, in_parts
 from ladder_ros.runtime.state_plan import Fate, StatePlan, Step
@@ -122,8 +122,3 @@ def _thing(slot: Slot) -> tuple[str, str, str]:
         owner, _, place = slot.path.partition('%edge.')
         return '/'.join(filter(None, (owner.rstrip('.'), *place.split('.')))), 'memory', 'BOOL'
     return slot.path, 'variable', str(slot.type)
-
-
-def is_hidden(path: str) -> bool:
-    """Say whether a slot's path is the compiler's, one that a user cannot write in a program."""
-    return '%' in path and any(part.startswith('%') for part in path.split('.'))

@@ -11,9 +11,9 @@ from enum import Enum
 from typing import TypeVar
 
 from ladder_ros.diagnostics import Diagnostic, problem
-from ladder_ros.executable import Entry, Executable, Slot, SlotClass, TaskEntry
+from ladder_ros.executable import Entry, Executable, is_hidden, Slot, SlotClass, TaskEntry
 from ladder_ros.model.types import NS_PER_MS, Value
-from ladder_ros.runtime.online_change import is_hidden, list_state, StateItem
+from ladder_ros.runtime.online_change import list_state, StateItem
 from ladder_ros.runtime.proof_report import ProofReport
 from ladder_ros.runtime.quiet import Breathe, breathless, in_parts
 from ladder_ros.runtime.state_plan import Fate, plan_state, Step

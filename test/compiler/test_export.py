@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from random import Random
 import re
@@ -51,18 +52,19 @@ FORMS: dict[str, Form] = {
 }
 
 
-def coils_first(data: bytes, file: str) -> Program:
-    """Read a project as Beremiz executes it: blocks that no coil needs come last."""
-    def kind_by_kind(pou: P) -> P:
-        return replace(pou, rungs=tuple(
-            replace(rung, order=Order.POSITION_KIND) for rung in pou.rungs))
+def read_in(order: Order, data: bytes, file: str) -> Program:
+    """Read a project as an editor executes it that has another order than ours."""
+    def ordered(pou: P) -> P:
+        return replace(pou, rungs=tuple(replace(rung, order=order) for rung in pou.rungs))
 
     program = parse_project(data, file)
-    return replace(program, bodies=tuple(map(kind_by_kind, program.bodies)),
-                   composites=tuple(map(kind_by_kind, program.composites)))
+    return replace(program, bodies=tuple(map(ordered, program.bodies)),
+                   composites=tuple(map(ordered, program.composites)))
 
 
-DRAWN_FORMS: dict[str, Form] = {**FORMS, 'coils first': (write_plcopen, coils_first)}
+DRAWN_FORMS: dict[str, Form] = {**FORMS, **{
+    f'plcopen {order.value}': (write_plcopen, partial(read_in, order))
+    for order in (Order.POSITION_KIND, Order.DOCUMENT_KIND)}}
 """An imported drawing may mean something else in another order; what we draw must not."""
 BLOCKS = ('TON', 'TOF', 'TP', 'CTU', 'CTD', 'CTUD', 'R_TRIG', 'F_TRIG', 'SR', 'RS')
 FUNCTIONS = ('ADD', 'SUB', 'MUL', 'DIV', 'MOD', 'MOVE', 'GT', 'GE', 'EQ', 'LE', 'LT', 'NE', 'MAX',

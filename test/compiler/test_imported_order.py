@@ -60,6 +60,18 @@ def test_coils_and_blocks_when_ordered_by_kind_then_coils_come_first() -> None:
     assert by_kind.scan(a=False)['n'] == 1
 
 
+@pytest.mark.parametrize('order, seen', [
+    (Order.POSITION_KIND, '0110'), (Order.DOCUMENT_KIND, '0011')])
+def test_coils_when_ordered_by_kind_then_by_position_or_as_in_the_file(
+    order: Order, seen: str,
+) -> None:
+    drawn = program(
+        element('contact', 1, [0], 'b', x=10, y=90) + element('coil', 2, [1], 'q', x=50, y=90)
+        + element('contact', 3, [0], 'a', x=10, y=10) + element('coil', 4, [3], 'b', x=50, y=10),
+        BOOLS)
+    assert Run(with_order(drawn, order)).trace('q', 'a', '0110') == seen
+
+
 def test_rows_when_within_ten_pixels_then_they_are_one() -> None:
     drawn = program(
         element('contact', 1, [0], 'b', x=0, y=0) + element('coil', 2, [1], 'q', x=90, y=0)

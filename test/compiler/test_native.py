@@ -19,15 +19,25 @@ from compiler.agreement import assert_agreement, assert_same, executable, Machin
 from ladder_ros.blocks import FUNCTIONS
 from ladder_ros.compiler import il_to_groups
 from ladder_ros.compiler import native as native_backend
+from ladder_ros.compiler.event_kernel import BoundTables
 from ladder_ros.compiler.il import Call, Instruction, InstructionList, Network, Op, Routine
 from ladder_ros.compiler.llvm_machine import make_object
 from ladder_ros.compiler.native import emit_native, load_native
-from ladder_ros.compiler.native_state import arrange, NativeState, StateForm
+from ladder_ros.compiler.native_state import arrange, NativeState, PLAIN, StateForm
 from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.compiler.symbols import Literal, Ref
-from ladder_ros.executable import ARITHMETIC_ERRORS, Executable, Form, Slot, SlotClass, Variant
+from ladder_ros.executable import (
+    ARITHMETIC_ERRORS,
+    Executable,
+    Form,
+    Scan,
+    Slot,
+    SlotClass,
+    Variant,
+)
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.catalogue_kinds import BlockKind, Generic
+from ladder_ros.model.program import Program
 from ladder_ros.model.types import (
     DataType,
     default_value,
@@ -188,12 +198,79 @@ def test_scans_when_little_or_much_changes_then_every_value_is_that_of_python(
     assert min(executed) * 4 < max(executed), executed
 
 
+@pytest.mark.parametrize('door', ['one', 'slice', 'all', 'other code', 'variant'])
+def test_scans_when_the_state_is_written_by_any_door_then_every_value_is_that_of_python(
+    door: str, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(native_backend, 'LEAST_INSTRUCTIONS', 100)
+    monkeypatch.setattr(native_backend, '_NETWORKS', 4)
+    plant = flat_plant(160)
+    program = program_of(plant)
+    machines = [Machine(program, backend) for backend in ('python', 'native')]
+    python, native = machines
+    everything = load_everything(program)
+    dice = random.Random(7)
+    bools = [slot.index for slot in native.executable.slots if slot.type is DataType.BOOL]
+    variants = [Variant(), Variant(forced=frozenset(dice.sample(bools, 3)))]
+    scans = [[machine.executable.build(variant)['main'] for machine in machines]
+             for variant in variants]
+    costs, now, chosen = [], 0, 0
+    for number in range(400):
+        now += dice.choice((10, 10, 500)) * MS
+        index, value = dice.choice(bools), dice.random() < 0.5
+        for machine in machines if number % 4 == 0 else ():
+            state = machine.state
+            if door == 'one':
+                state[index] = value
+            elif door == 'slice':
+                state[index:index + 1] = [value]
+            elif door == 'all':
+                state[:] = [value if place == index else old for place, old in enumerate(state)]
+        if number % 4 == 0 and door == 'other code':  # which leaves no trace in the inputs
+            given = native.index(dice.choice(plant.inputs))
+            for machine, scan in zip(machines, (scans[0][0], everything), strict=True):
+                machine.state[given] = not machine.state[given]
+                scan(machine.state, now, None)
+                machine.state[given] = not machine.state[given]
+        if number % 40 == 0 and door == 'variant':
+            chosen = 1 - chosen
+        for machine, scan in zip(machines, scans[chosen], strict=True):
+            scan(machine.state, now, None)
+        assert list(python.state) == list(native.state), now
+        if door != 'variant':
+            costs.append(chunks_executed(native.state))
+    assert sum(cost < 30 for cost in costs) > len(costs) // 4 or door == 'variant'
+
+
+def load_everything(program: Program) -> Scan:
+    """Return a scan function of a program that always executes everything."""
+    emit = compile_program(program, backend='native').native
+    assert emit is not None
+    native, rest = emit()
+    return load_native(native, [make_object(text) for text in native.modules], rest,
+                       by_events=False)['main']
+
+
+def test_state_when_an_owner_is_gone_then_another_does_not_find_what_it_noted() -> None:
+    state = StateForm(arrange([]))([])
+    owners = [BoundTables([0], [], 64) for _ in range(3)]
+    for owner in owners:
+        time, _ = state.admit(owner)
+        time[0] = 5
+    numbers = [owner.number for owner in owners]
+    assert len({PLAIN, *numbers}) == 4
+    del owner, owners
+    last = BoundTables([0], [], 64)
+    assert state.admit(last)[0][0] == 0
+    assert list(state.arguments) == [PLAIN, last.number]
+
+
 def chunks_executed(state: object) -> int:
-    """Return how many chunks the last scan that followed the changes has executed."""
+    """Return how many chunks the last scan that followed the changes has executed, times four."""
     import ctypes
     assert isinstance(state, NativeState)
-    (address, _), = state._areas.values()
-    return int(ctypes.c_int64.from_address(address + 24).value)
+    (_, place), = (found for number, found in state.arguments.items() if number != PLAIN)
+    return int(ctypes.c_int64.from_address(place.value + 48).value)
 
 
 # -- other machines ------------------------------------------------------------------------------

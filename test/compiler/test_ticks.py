@@ -1,0 +1,102 @@
+# Copyright 2026 The ladder_ros developers
+# SPDX-License-Identifier: Apache-2.0
+"""Ticks: what chunks with timers do while nothing changes but the time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+import ctypes
+from functools import cache
+import random
+
+import pytest
+
+from compiler.test_groups import slots_of
+from ladder_ros.compiler import native as native_backend
+from ladder_ros.compiler.event_kernel import NO_TICK
+from ladder_ros.compiler.il_interpreter import interpret_il
+from ladder_ros.compiler.il_text import parse_il
+from ladder_ros.compiler.llvm_machine import make_object
+from ladder_ros.compiler.llvm_ticks import own_times
+from ladder_ros.compiler.native import emit_native, layout_of, load_native
+from ladder_ros.compiler.native_state import NativeState, PLAIN, StateForm
+from ladder_ros.executable import Slot, SlotClass
+from ladder_ros.model.types import DataType, default_value, NS_PER_MS, Value
+
+pytest.importorskip('llvmlite', reason='native code needs llvmlite')
+
+TIMES = ('t.et', 't.%start', 'wait', 'gone', 'other')
+TICK_COST = 1
+compiled = cache(make_object)
+WAITED = 'LD go\nCAL TON t (PT := wait) ()\nST done'
+
+
+def cost(state: NativeState) -> int:
+    """Return four for each chunk that the last scan has executed, one for each tick."""
+    (_, place), = (found for number, found in state.arguments.items() if number != PLAIN)
+    assert place.value is not None
+    return ctypes.c_int64.from_address(place.value + 48).value
+
+
+@pytest.mark.parametrize('networks, ticks', [
+    ([WAITED], 'often'),
+    (['LD go\nCAL TOF t (PT := wait) ()\nST done'], 'often'),
+    (['LD go\nCAL TP t (PT := T#70ms) ()\nSTN done'], 'often'),
+    (['LD go\nOR x\nCAL TON t (PT := T#70ms) ()\nST x'], 'often'),
+    (['LD go\nST x\nLD x\nCAL TON t (PT := wait) ()\nST done\nST x'], 'often'),
+    (['LD go\nANDP x, m\nCAL TP t (PT := wait) ()\nST done', 'LD done\nS y'], 'often'),
+    (['LD go\nCAL TON t (PT := wait) (ET => gone)\nST done'], 'never'),
+    ([WAITED, 'LD go\nMOV TIME t.ET => gone'], 'never'),
+    (['LD go\nST x', 'LD x\nCAL TON t (PT := wait) ()\nST done', 'LDN go\nST x'], 'none'),
+    ([WAITED, 'LD x\nCAL TON t (PT := T#20ms) ()\nST y'], 'none'),
+    (['LD x\nIF\nLD go\nCAL TON t (PT := wait) ()\nST done\nFI'], 'none'),
+])
+def test_timer_when_time_goes_on_then_every_value_is_that_of_executing_it(
+    networks: Sequence[str], ticks: str, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(native_backend, 'LEAST_INSTRUCTIONS', 1)
+    monkeypatch.setattr(native_backend, '_NETWORKS', 4)
+    others = [f'LD a{k}\nST b{k}' for k in range(60)]  # so that one chunk is little
+    others[-1] = 'LD x\nAND go\nMOV TIME wait => other'
+    code = parse_il('BODY main\n' + ''.join(
+        f'NETWORK {k}\n{text}\n' for k, text in enumerate((*networks, *others))))
+    slots = slots_of(code)
+    rows = [Slot(index=index, path=path, slot_class=SlotClass.LOCAL, initial=False, identity='',
+                 type=DataType.TIME if path in TIMES else DataType.BOOL)
+            for path, index in slots.items()]
+    layout = layout_of(code, rows, slots)
+    emitted = emit_native(code, slots, layout)
+    part, = emitted.parts['main']
+    assert (part.ticks[0] == NO_TICK) is (ticks == 'none')
+    assert set(part.ticks[1:]) == {NO_TICK}
+    native = load_native(emitted, [compiled(text) for text in emitted.modules], {})['main']
+    wanted = interpret_il(code, slots, {}, frozenset())['main']
+    dice = random.Random(3)
+    values: list[Value] = [default_value(row.type) for row in rows]
+    values[slots['wait']] = 60 * NS_PER_MS
+    state, now, costs = StateForm(layout)(values), 0, set()
+    choices: dict[str, Sequence[Value]] = {
+        'go': (True, True, False), 'x': (True, False),
+        'wait': (60 * NS_PER_MS, 200 * NS_PER_MS, -1)}
+    for _ in range(600):
+        now += dice.choice((10, 10, 10, 0, -20) if ticks == 'often' else (10, 20)) * NS_PER_MS
+        name = dice.choice((*choices, *[''] * 40))
+        if name in slots:
+            state[slots[name]] = values[slots[name]] = dice.choice(choices[name])
+        native(state, now, None)
+        wanted(values, now, None)
+        assert list(state) == values, now
+        costs.add(cost(state))
+    assert (TICK_COST in costs) is (ticks == 'often')
+
+
+@pytest.mark.parametrize('more, is_own', [
+    ('LD t.Q\nST x', True), ('LD x\nMOV TIME t.ET => gone', False),
+    ('LD x\nMOV TIME gone => t.%start', False), ('LD x\nCAL TON t (PT := wait) ()', False),
+])
+def test_times_when_somebody_else_names_them_then_they_are_not_the_timers_own(
+    more: str, is_own: bool,
+) -> None:
+    code = parse_il(f'BODY main\nNETWORK 1\n{WAITED}\nNETWORK 2\n{more}\n')
+    slots = slots_of(code)
+    assert ({slots['t.et'], slots['t.%start']} == own_times(code, slots)) is is_own
