@@ -524,10 +524,9 @@ class Session:
             slot.index, value_for(slot, value), catch_pulse=catch_pulse, of=executable)
 
     def write_slots(self, values: Iterable[Write], *, of: Executable | None = None) -> None:
-        """Give variables values before the next scan, all in the same.
+        """Give slots values before the next scan, all in the same; TypeError for a wrong type.
 
-        ``of`` is the executable of the slots, the present one by default; after a change the
-        variables of their names are written.  Raises TypeError for a value of another type.
+        After a change of the program ``of`` the variables of their names are written.
         """
         self._controller.write_all(values, of=of)
 
@@ -572,8 +571,7 @@ class Session:
     def add_listener(self, listener: Listener) -> None:
         """Call ``listener`` in the scan thread after each scan, failed ones included.
 
-        It may read, write and stop; what it raises is only noted.  After a change has returned
-        no listener is called with the old program.
+        It may read, write and stop.  After a change none is called with the old program.
         """
         self._controller.add_listener(listener)
 
