@@ -51,13 +51,13 @@ def program(rungs: int, interval_ms: float, *, extra: bool) -> str:
         '<ladder version="1" name="storm"><variables><variable name="go" class="input" '
         'type="BOOL"/><variable name="load" class="input" type="BOOL"/><variable name="held" '
         'class="output" type="BOOL"/><variable name="n" class="output" type="DINT"/>'
-        f'<variable name="on" type="BOOL" initial="TRUE"/>{variables}</variables>'
+        f'<variable name="always" type="BOOL" initial="TRUE"/>{variables}</variables>'
         f'<tasks><task name="t" interval="T#{interval_ms:g}ms"/></tasks>'
         '<body name="main" task="t">'
         '<rung id="held" width="2"><contact id="c" x="0" y="0" operand="go"/>'
         '<coil id="k" x="1" y="0" operand="held" kind="set"/></rung>'
-        '<rung id="count" width="4"><contact id="c" x="0" y="0" operand="on"/><block id="b" x="1" '
-        'y="0" width="2" height="3" type="ADD"><input pin="IN1" operand="n"/><input pin="IN2" '
+        '<rung id="count" width="4"><contact id="c" x="0" y="0" operand="always"/><block id="b" '
+        'x="1" y="0" width="2" height="3" type="ADD"><input pin="IN1" operand="n"/><input pin="IN2" '
         'operand="1"/><output pin="OUT" operand="n"/></block><coil id="k" x="3" y="0" '
         f'operand="done"/></rung>{rest}</body></ladder>')
 

@@ -30,6 +30,7 @@ from ladder_ros.runtime.change_desk import ChangeDesk
 from ladder_ros.runtime.changes import Change, Loaded
 from ladder_ros.runtime.clock import Clock, MonotonicClock
 from ladder_ros.runtime.controller import Controller
+from ladder_ros.runtime.exchange import Inlet
 from ladder_ros.runtime.lanes import Campaign
 from ladder_ros.runtime.listeners import (
     check_interval,
@@ -49,7 +50,7 @@ from ladder_ros.runtime.recorder import RecordSummary, TraceRecorder
 from ladder_ros.runtime.replay import read_trace, replay_trace, ReplayResult
 from ladder_ros.runtime.retention import Retention
 from ladder_ros.runtime.scheduling import RealTime
-from ladder_ros.runtime.session_status import session_status
+from ladder_ros.runtime.session_status import condition, session_status
 from ladder_ros.runtime.shadow import ShadowStatus
 from ladder_ros.runtime.simulation import DEFAULT_SCANS, prepare_simulation, Simulation
 from ladder_ros.runtime.start_kind import start_kind, StartKind
@@ -72,6 +73,7 @@ __all__ = [
     'ChangeKind',
     'ControllerState',
     'Fault',
+    'Inlet',
     'InputTable',
     'Loaded',
     'Preflight',
@@ -522,13 +524,15 @@ class Session:
             slot.index, value_for(slot, value), catch_pulse=catch_pulse, of=executable)
 
     def write_slots(self, values: Iterable[Write], *, of: Executable | None = None) -> None:
-        """Give variables values before the next scan, all in the same; the fast way.
+        """Give slots values before the next scan, all in the same; TypeError for a wrong type.
 
-        Each: index of the slot, value, catch_pulse.  ``of`` is the executable of the slots, the
-        present one by default; after a change the variables of their names are written.  Raises
-        TypeError for a value of another type.
+        After a change of the program ``of`` the variables of their names are written.
         """
         self._controller.write_all(values, of=of)
+
+    def inlet(self, executable: Executable) -> Inlet:
+        """Return a quicker :meth:`write_slots`, for values of the very types of slots."""
+        return self._controller.inlet(executable)
 
     def read(self, name: str) -> Value:
         """Return a variable's value after the last scan."""
@@ -567,8 +571,7 @@ class Session:
     def add_listener(self, listener: Listener) -> None:
         """Call ``listener`` in the scan thread after each scan, failed ones included.
 
-        It may read, write and stop, and what it raises is only noted.  Once a change has returned
-        no listener is called with the old program.
+        It may read, write and stop.  After a change none is called with the old program.
         """
         self._controller.add_listener(listener)
 
@@ -581,18 +584,16 @@ class Session:
         self._controller.add_state_listener(listener)
 
     def add_change_listener(self, listener: Callable[[Change], None]) -> None:
-        """Call ``listener`` with each change of the program, before the first scan after it.
-
-        In the thread that made it so: the scan thread if a test ends by itself.  It may only read
-        and write; what it raises is only noted.
-        """
+        """Call ``listener``, which may read and write, with each change before its first scan."""
         self._desk.listeners = (*self._desk.listeners, listener)
+
+    def condition(self) -> object:
+        """Return what is equal as long as nothing has happened that is worth a new status."""
+        return condition(self._controller, self._desk, self._trace)
 
     def status(self) -> Mapping[str, object]:
         """Return the state of all that matters as plain JSON data; times are in ms."""
-        retain = self._retention.to_json() if self._retention else None
-        return session_status(self._controller, self._desk, retain=retain,
-                              recording=self._trace.path if self._trace else None)
+        return session_status(self._controller, self._desk, self._retention, self._trace)
 
 
 def _stamp() -> str:

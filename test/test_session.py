@@ -15,6 +15,7 @@ import pytest
 from ladder_ros import session
 from ladder_ros.diagnostics import LadderError, Severity
 from ladder_ros.runtime.clock import SimulatedClock
+from ladder_ros.runtime.exchange import MOST_LETTERS
 from ladder_ros.session import compile_file, Session, simulate
 
 MS = 1_000_000
@@ -281,6 +282,75 @@ def test_write_slot_when_the_program_has_changed_then_the_variable_of_that_name_
     bench.session.start()
     bench.run(1)
     assert bench.session.read('motor') is True
+
+
+def test_inlet_when_the_program_has_changed_then_the_variable_of_that_name_is_written(
+    bench: Bench, program: Path,
+) -> None:
+    old = bench.session.executable
+    post = bench.session.inlet(old)
+    more = '<variable name="extra" type="REAL"/>' + VARIABLES
+    post((old.by_path['start'].index,), (True,), ())
+    program.write_text(text(SEAL_IN, variables=more))
+    bench.session.reload()
+    post((old.by_path['stop'].index,), (True,), ())
+    bench.session.start()
+    bench.run(1)
+    assert [bench.session.read(name) for name in ('start', 'stop')] == [True, True]
+
+
+def test_inlet_when_nobody_scans_for_long_then_the_last_value_counts(bench: Bench) -> None:
+    executable = bench.session.executable
+    post, start = bench.session.inlet(executable), executable.by_path['start'].index
+    for number in range(MOST_LETTERS + 2):
+        post((start,), (number % 2 == 1,), ())
+    assert len(bench.session._controller._programs.letters) < 3
+    bench.session.start()
+    bench.run(1)
+    assert bench.session.read('start') is (MOST_LETTERS % 2 == 0)
+
+
+def test_inlet_when_a_pulse_is_to_be_seen_then_one_scan_sees_it(bench: Bench) -> None:
+    executable = bench.session.executable
+    post, start = bench.session.inlet(executable), executable.by_path['start'].index
+    bench.session.start()
+    bench.run(1)
+    for value in (True, False):
+        post((start,), (value,), (start,))
+    bench.run(1)
+    assert (bench.session.read('start'), bench.session.read('motor')) == (True, True)
+    bench.run(1)
+    assert (bench.session.read('start'), bench.session.read('motor')) == (False, True)
+
+
+def test_condition_when_only_scans_go_on_then_it_stays_as_it_is(bench: Bench) -> None:
+    bench.session.start()
+    bench.session.write('divisor', 1)  # or errors are counted
+    bench.run(2)
+    before = bench.session.condition()
+    bench.session.write('start', True)
+    bench.run(3)
+    assert bench.session.condition() == before
+
+
+@pytest.mark.parametrize('happens', [
+    lambda session, file: session.force('motor', True),
+    lambda session, file: session.preflight(file),
+    lambda session, file: session.test(session.prepare(file)),
+    lambda session, file: session.load(file),
+    lambda session, file: session.set_interval(20 * MS),
+    lambda session, file: session.stop(),
+    lambda session, file: session.record(file.with_suffix('.trace')),
+])
+def test_condition_when_something_happens_then_it_differs(
+    bench: Bench, program: Path, happens: Callable[[Session, Path], object],
+) -> None:
+    bench.session.start()
+    before = bench.session.condition()
+    file = program.with_name('other.xml')
+    file.write_text(text(SEAL_IN))
+    happens(bench.session, file)
+    assert bench.session.condition() != before
 
 
 def test_force_when_set_then_it_holds_until_released(bench: Bench) -> None:

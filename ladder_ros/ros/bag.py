@@ -9,7 +9,7 @@ scan that is not before it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 import os
@@ -26,9 +26,9 @@ from ladder_ros.ros.fields import Array, FieldType, Nested, Scalar, Schema, Unkn
 from ladder_ros.ros.io_map import resolve_io
 from ladder_ros.ros.io_points import IoMap
 from ladder_ros.ros.parameters import read_settings, Settings
-from ladder_ros.ros.reception import Input, Reception, Source, Store
+from ladder_ros.ros.reception import Input, Reception, Source
 from ladder_ros.ros.rules import did_you_mean
-from ladder_ros.session import InputTable, Write
+from ladder_ros.session import Inlet, InputTable
 
 SUFFIXES = ('.db3', '.mcap')
 NODE = '/plc_node'
@@ -234,10 +234,12 @@ class _Pending:
         self._later: dict[int, Value] = {}
         self._last: dict[int, Value] = {}
 
-    def write(self, values: Iterable[Write], *, of: Executable | None = None) -> None:
-        for index, value, catch_pulse in values:
+    def write(
+        self, indices: Sequence[int], values: Sequence[Value], pulses: Collection[int],
+    ) -> None:
+        for index, value in zip(indices, values, strict=True):
             waiting = self._next.get(index, value)
-            if catch_pulse and waiting != value and waiting != self._last.get(index):
+            if index in pulses and waiting != value and waiting != self._last.get(index):
                 self._later[index] = value
             else:
                 self._next[index] = value
@@ -255,14 +257,14 @@ class _Inputs:
     def __init__(self, executable: Executable, io_map: IoMap) -> None:
         self._executable = executable
         self._pending = _Pending()
-        store: Store = self._pending.write
+        store: Inlet = self._pending.write
         self._sources: dict[str, Source] = {}
         self._inputs: list[Input] = []
         fed: dict[str, list[Input]] = {}
         for point in io_map.inputs:
             topic = point.endpoint.full_topic
             source = self._sources.setdefault(topic, Source(point.endpoint))
-            item = Input(point=point, state=Reception(lock=source.lock), store=store)
+            item = Input(point=point, state=Reception(source), store=store)
             self._inputs.append(item)
             fed.setdefault(topic, []).append(item)
         for topic, inputs in fed.items():

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from operator import itemgetter
 import time
 from typing import Any
@@ -31,8 +30,9 @@ from ladder_ros.model.types import Value
 from ladder_ros.ros.io_points import Endpoint, InputPoint, IoMap, OutputPoint
 from ladder_ros.ros.message_types import message_class, new_message
 from ladder_ros.ros.publications import Channel, Publication
-from ladder_ros.ros.reception import Input, NOTHING, Reception, Source, Store
+from ladder_ros.ros.reception import Input, NOTHING, Reception, Source
 from ladder_ros.ros.rules import parameter_place
+from ladder_ros.session import Inlet, ScanResult
 
 _NO_MAP = IoMap()
 DELIVERY_SECONDS = 0.5
@@ -108,11 +108,12 @@ class Bindings:
     """
 
     def __init__(
-        self, node: Any, store: Store, warn: Callable[[str], None], ros_time: RosTime,
+        self, node: Any, inlet: Callable[[Executable], Inlet], warn: Callable[[str], None],
+        ros_time: RosTime,
     ) -> None:
-        """Start without any; ``warn`` gets sentences for the log."""
+        """Start without any; ``inlet`` is the session's, ``warn`` gets sentences for the log."""
         self._node = node
-        self._store = store
+        self._inlet = inlet
         self._warn = warn
         self._ros_time = ros_time
         self._plan = Plan()
@@ -139,7 +140,7 @@ class Bindings:
         messages: dict[Endpoint, list[OutputPoint]] = {}
         for output in io_map.outputs:
             messages.setdefault(output.endpoint, []).append(output)
-        store = partial(self._store, of=executable)
+        store = self._inlet(executable)
         try:
             for point in io_map.inputs:
                 self._add_input(plan, point, store)
@@ -230,11 +231,12 @@ class Bindings:
 
     # After each scan (scan thread)
 
-    def after_scan(self, executable: Executable, values: Sequence[Value], now: int) -> None:
-        """Publish the outputs that changed and look after the age of the inputs; ``now`` in ns."""
-        plan = self._plans.get(id(executable))
-        if plan is None:
+    def after_scan(self, result: ScanResult) -> None:
+        """Publish the outputs that changed and look after the age of the inputs."""
+        plan = self._plans.get(id(result.executable))
+        if plan is None or result.fault is not None:
             return
+        values, now = result.values, result.now
         outputs = plan.pick(values)
         if outputs != plan.seen or plan.every_scan:
             plan.seen = outputs
@@ -305,8 +307,9 @@ class Bindings:
                 fed.setdefault(endpoint, {})[name] = item
         for endpoint, source in self._sources().items():
             source.feed(fed[endpoint].values())
+            source.subscription.callback = source.receive
 
-    def _add_input(self, plan: Plan, point: InputPoint, store: Store) -> None:
+    def _add_input(self, plan: Plan, point: InputPoint, store: Inlet) -> None:
         endpoint = point.endpoint
         source = plan.sources.get(endpoint) or self._sources().get(endpoint)
         if source is None:
@@ -316,7 +319,7 @@ class Bindings:
         known = next((other.inputs[key] for other in self._plans.values() if key in other.inputs),
                      None)
         plan.inputs[key] = Input(
-            point=point, state=known.state if known else Reception(lock=source.lock), store=store)
+            point=point, state=known.state if known else Reception(source), store=store)
         if source.last is not NOTHING:  # nobody may send it again
             plan.inputs[key].recall(source.last)
 

@@ -28,7 +28,6 @@ from ladder_ros.session import (
     Loaded,
     parse_value,
     Requirement,
-    ScanResult,
     Session,
 )
 
@@ -45,22 +44,18 @@ class Cell:
     ) -> None:
         """Make an empty cell; ``warn`` gets sentences, ``resolve_topic`` as in ``resolve_io``."""
         self.session = session
-        self.bindings = Bindings(node, session.write_slots, warn, ros_time)
+        self.bindings = Bindings(node, session.inlet, warn, ros_time)
         self.loader = Loader(settings.io, resolve_topic, self.bindings.poll)
         self._backend = settings.backend
         self._candidate: Prepared | None = None
         self._before: Executable | None = None  # what a test may have to go back to
         self.events: deque[Change] = deque()
         """Changes of the program that nobody has been told of yet."""
-        session.add_listener(self._after_scan)
+        session.add_listener(self.bindings.after_scan)
         session.add_change_listener(self._on_change)
         session.add_state_listener(self._on_state)
 
     # Listeners: in the scan thread, or in the one that made the change
-
-    def _after_scan(self, result: ScanResult) -> None:
-        if result.fault is None:
-            self.bindings.after_scan(result.executable, result.values, result.now)
 
     def _on_change(self, change: Change) -> None:
         self.bindings.enter(change.loaded.executable)

@@ -31,7 +31,7 @@ from ladder_ros.model.types import (
     TIME_RANGE,
     Value,
 )
-from ladder_ros.ros.fields import Scalar, WIDTHS
+from ladder_ros.ros.fields import Plain, Scalar, WIDTHS
 
 FieldValue = bool | int | float | str
 """A value of a field."""
@@ -113,10 +113,13 @@ class Conversion:
 
     ``encode`` returns (field, whether the value fitted); ``decode`` gets the field and the value
     that it gave last (None: there is none), and returns the variable's value, or Misfit.
+    ``plain`` does the same where the variable can hold every value of the field, and what was
+    before does not matter; None where that is not so.
     """
 
     encode: Encode
     decode: Decode
+    plain: Plain | None = None
 
 
 def fits(type_: DataType, kind: str, *, output: bool, adjust: Adjustment = AS_IS) -> bool:
@@ -177,10 +180,23 @@ def conversion(type_: DataType, field: Scalar, adjust: Adjustment = AS_IS) -> Co
     if kind in _EXACT_BITS:
         return Conversion(
             encode=_float_encoder(kind),
-            decode=_decode_single if type_ is DataType.REAL else _decode_double)
+            decode=_decode_single if type_ is DataType.REAL else _decode_double,
+            plain=None if (type_, kind) == (DataType.REAL, 'float64') else float)
     if kind == 'bool':
-        return Conversion(encode=_whole_encoder(kind), decode=_decode_bool)
-    return Conversion(encode=_whole_encoder(kind), decode=_whole_decoder(type_))
+        return Conversion(encode=_whole_encoder(kind), decode=_decode_bool, plain=bool)
+    return Conversion(
+        encode=_whole_encoder(kind), decode=_whole_decoder(type_), plain=_plain(type_, kind))
+
+
+def _plain(type_: DataType, kind: str) -> Plain | None:
+    """Return how whole numbers of a kind become values, if all of them are some of the type."""
+    if type_.is_real:
+        return float
+    low, high = FIELD_RANGE[kind]
+    least, most = (0, 1) if type_ is DataType.BOOL else INTEGER_RANGE[type_]
+    if not least <= low <= high <= most:
+        return None
+    return bool if type_ is DataType.BOOL else int
 
 
 # Whole numbers and BOOL

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
+from itertools import chain
 from operator import attrgetter, itemgetter
 import re
 from typing import Any, TypeAlias
@@ -317,6 +319,66 @@ def reader(field: Field) -> Callable[[Any], Any]:
     """Return a function that takes a message to the value of a field; see :func:`picker`."""
     owner, pick = getter(field.steps[:-1]), picker(field)
     return lambda message: pick(owner(message))
+
+
+Plain = Callable[[Any], Any]
+"""Takes the value of a field to that of a variable."""
+Row = Callable[[Any], Sequence[Any]]
+"""Takes a message to the values of many variables; raises IndexError if an element is missing."""
+
+_BITS = tuple(tuple(bool(byte >> bit & 1) for bit in range(8)) for byte in range(256))
+
+
+def row_reader(owners: Sequence[tuple[Steps, Sequence[tuple[Field, Plain | None]]]]) -> Row | None:
+    """Return what reads many fields at once; None if that of a value is not known for all.
+
+    The fields come by what holds them, see :func:`picker`.
+    """
+    parts = []
+    for steps, fields in owners:
+        known = [(field, plain) for field, plain in fields if plain is not None]
+        if len(known) < len(fields):
+            return None
+        parts.append(_part_reader(steps, known))
+    if len(parts) == 1:
+        return parts[0]
+    return lambda message: [value for part in parts for value in part(message)]
+
+
+def _part_reader(steps: Steps, fields: Sequence[tuple[Field, Plain]]) -> Row:
+    if len(fields) == 1:
+        (field, plain), = fields
+        if field.bit is None and field.type.kind != 'octet':
+            return _one_reader(field.steps, plain)
+        get = reader(field)
+        return lambda message: (plain(get(message)),)
+    owner = getter(steps)
+    if all(field.bit is not None and field.type.kind == 'uint8'
+           and isinstance(field.steps[-1], int) for field, _ in fields):
+        return _bits_reader(owner, [field for field, _ in fields])
+    pairs = [(picker(field), plain) for field, plain in fields]
+
+    def read(message: Any) -> Sequence[Any]:
+        holder = owner(message)
+        return [plain(pick(holder)) for pick, plain in pairs]
+
+    return read
+
+
+@cache
+def _one_reader(steps: Steps, plain: Plain) -> Row:
+    """Read a single field: the same for all topics that are alike, to be in the caches."""
+    get = getter(steps)
+    return lambda message: (plain(get(message)),)
+
+
+def _bits_reader(owner: Callable[[Any], Any], fields: Sequence[Field]) -> Row:
+    """Read bits of an array of bytes, all of which are taken apart at once."""
+    pick = itemgetter(*(
+        8 * element + field.bit for field in fields
+        if isinstance(element := field.steps[-1], int) and field.bit is not None))
+    return lambda message: pick(
+        tuple(chain.from_iterable(map(_BITS.__getitem__, bytes(owner(message))))))
 
 
 def writer(field: Field) -> Callable[[Any, Any], None]:

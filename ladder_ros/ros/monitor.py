@@ -23,6 +23,9 @@ from ladder_ros.ros.rules import did_you_mean, parameter_place
 from ladder_ros.ros.status import LATCHED
 from ladder_ros.session import find_slot, format_value, ScanResult, Session
 
+ATTENTION = 0.5
+"""Seconds after which it is looked whether somebody subscribes."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sample:
@@ -122,19 +125,45 @@ class Monitor:
         self._pou = pou
         self._view: View | None = None
         self._observed: Executable | None = None
+        self._listened: Session | None = None
+        self._rate = rate
         self._wanted = False
         self._sample: Sample | None = None
         self._publisher = node.create_publisher(String, '~/monitor', LATCHED)
         self._timer: Any = None
-        self.set_rate(rate)
+        self._every(ATTENTION, self._attend)
 
     def set_rate(self, rate: float) -> None:
         """Send so many messages a second."""
+        self._rate = rate
         if self._timer is not None:
             self._node.destroy_timer(self._timer)
+            self._timer = self._every(1.0 / rate, self._tick)
+
+    def _every(self, seconds: float, action: Callable[[], None]) -> Any:
         # Not ROS time: a paused simulation can be looked at, too.
-        self._timer = self._node.create_timer(
-            1.0 / rate, self._tick, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        return self._node.create_timer(
+            seconds, action, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def _attend(self) -> None:
+        """Begin when somebody subscribes, and end when nobody does any more."""
+        is_wanted = self._publisher.get_subscription_count() > 0
+        if is_wanted and self._timer is None:
+            self._timer = self._every(1.0 / self._rate, self._tick)
+        elif not is_wanted and self._timer is not None:
+            self._node.destroy_timer(self._timer)
+            self._timer = None
+            self._tick()
+
+    def _listen(self, session: Session | None) -> None:
+        """Listen to this session and no other; the scan thread does nothing for nobody."""
+        if session is self._listened:
+            return
+        if self._listened is not None:
+            self._listened.remove_listener(self.after_scan)
+        if session is not None:
+            session.add_listener(self.after_scan)
+        self._listened = session
 
     def set_pou(self, pou: str) -> None:
         """Show another drawing; one that the program does not have is told in the messages."""
@@ -157,14 +186,17 @@ class Monitor:
     def _look(self, session: Session) -> None:
         loaded = session.loaded
         if loaded is None:
+            self._listen(None)
             self._observed, self._sample = None, None
             return
         if not self._publisher.get_subscription_count():
             self._wanted = False
             if self._observed is not None:
+                self._listen(None)
                 session.observe(False)
                 self._observed, self._sample = None, None
             return
+        self._listen(session)
         if self._observed is not loaded.executable:
             session.observe(True)
             self._observed = loaded.executable

@@ -37,14 +37,13 @@ from ladder_ros.ros.status import (
     ChangePublisher,
     diagnostic_tasks,
     io_counts,
+    LOOK,
     ShadowPublisher,
     stale_inputs,
     StatusPublisher,
 )
-from ladder_ros.session import Change, ControllerState, format_value, ScanResult, Session
+from ladder_ros.session import Change, ControllerState, format_value, Session
 
-HOUSEKEEPING = 0.05
-"""Seconds between looks at what happened in the scan thread."""
 QUICK_PERIOD = 10_000_000
 """Scan periods up to here, in ns, need other threads to give way sooner than Python's 5 ms."""
 SWITCH_INTERVAL = 0.0005
@@ -84,9 +83,9 @@ class Plc:
             self._live['monitor.rate'], self._note_error)
         self._changes = ChangePublisher(node)
         self._shadow = ShadowPublisher(node)
-        self._status = StatusPublisher(node, self.state, self._tasks, settings.status_period)
-        node.create_timer(
-            HOUSEKEEPING, self._keep_house, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._status = StatusPublisher(
+            node, self.state, self._condition, self._tasks, settings.status_period)
+        node.create_timer(LOOK, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
         serve(node, {
             'reload': self.reload, 'start': self.start, 'stop': self.stop, 'reset': self.reset,
             'preflight': self.preflight, 'test': self.test, 'untest': self.untest,
@@ -137,7 +136,6 @@ class Plc:
             retain_path=self._retain_file,
             retain_period_s=self._settings.values['retain_period'],
             real_time=self._settings.real_time)
-        session.add_listener(self._after_scan)
         cell = Cell(self._node, session, self._settings, self._log.warning, self._resolve_topic,
                     self._ros_time)
         cell.require(self._live['change.require'])
@@ -400,12 +398,16 @@ class Plc:
             'incompatible_qos': dict(bindings.mismatches), 'io': io_counts(bindings.plan),
         }
 
-    def _tasks(self) -> list[Any]:
-        state = self.state()
-        tasks = diagnostic_tasks(
-            self._node.get_name(), state, self._cell.bindings.plan, self._last_overruns)
-        self._last_overruns = state.get('overruns', 0)
-        return tasks
+    def _condition(self) -> object:
+        """Return what is equal as long as the state is, but for what changes all the time."""
+        bindings = self._cell.bindings
+        return (self._cell.session.condition(), self._lifecycle.phase, self._last_error,
+                stale_inputs(bindings.plan), dict(bindings.mismatches))
+
+    def _tasks(self) -> Callable[[], list[Any]]:
+        before, self._last_overruns = self._last_overruns, self._cell.session.statistics.overruns
+        return lambda: diagnostic_tasks(
+            self._node.get_name(), self.state(), self._cell.bindings.plan, before)
 
     def _note_error(self, error: Exception) -> None:
         text = error_text(error)
@@ -426,9 +428,9 @@ class Plc:
 
     # What happened in the scan thread
 
-    def _after_scan(self, result: ScanResult) -> None:
-        """Listener in the scan thread."""
-        self._monitor.after_scan(result)
+    def _look(self) -> None:
+        self._keep_house()
+        self._status.look()
 
     def _keep_house(self) -> None:
         """Do what the scan thread has no time for."""

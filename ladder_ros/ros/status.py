@@ -24,15 +24,11 @@ LATCHED = QoSProfile(
     depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 LOOK = 0.1
-"""How often it is looked whether something has changed, in seconds."""
+"""How often :meth:`StatusPublisher.look` is to be called, in seconds."""
 DIAGNOSTICS = 1.0
 SHADOW = 0.5
 ASKED_FOR = 'asked for'
 """The reason of an untest that somebody wanted."""
-CHANGING = ('scans', 'skipped', 'execution_ms', 'max_lateness_ms', 'jitter_ms', 'io', 'tasks',
-            'share', 'shadow', 'retain')
-CHANGING_PARTS = (('change', 'test_left_ms'),)
-"""Parts of the state that change all the time: no reason to publish it out of turn."""
 CHANGES = QoSProfile(
     depth=10, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -66,50 +62,48 @@ class StatusPublisher:
     """Publishes the state when it changes and now and then, and the diagnostics once a second."""
 
     def __init__(
-        self, node: Any, state: Callable[[], Mapping[str, Any]],
-        tasks: Callable[[], list[DiagnosticStatus]], period: float,
+        self, node: Any, state: Callable[[], Mapping[str, Any]], condition: Callable[[], object],
+        tasks: Callable[[], Callable[[], list[DiagnosticStatus]]], period: float,
     ) -> None:
-        """Start publishing; ``state`` is plain JSON data, ``tasks`` the diagnostics."""
+        """Start publishing; ``state`` is plain JSON data.
+
+        ``tasks`` begins another second, and returns what makes the diagnostics of the last one.
+        ``condition`` returns what is equal as long as the state is not worth publishing.
+        """
         self._node = node
         self._state = state
+        self._condition = condition
         self._tasks = tasks
         self._looks = max(round(period / LOOK), 1)
         self._silent = 0
-        self._last: dict[str, Any] = {}
+        self._last: object = None
         self._state_publisher = node.create_publisher(String, '~/state', LATCHED)
         self._diagnostics = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
         # Not ROS time: under use_sim_time a paused simulation would silence the node.
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        node.create_timer(LOOK, self._look, clock=steady)
-        node.create_timer(DIAGNOSTICS, self.publish_diagnostics, clock=steady)
+        node.create_timer(DIAGNOSTICS, self.publish_diagnostics,
+                          clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def publish(self) -> None:
         """Publish the state."""
-        state = dict(self._state())
-        self._last = _settled(state)
+        self._last = self._condition()
         self._silent = 0
-        self._state_publisher.publish(String(data=json.dumps(state)))
+        self._state_publisher.publish(String(data=json.dumps(dict(self._state()))))
 
-    def _look(self) -> None:
+    def look(self) -> None:
+        """Publish the state if it is time to, or something has happened."""
         self._silent += 1
-        if self._silent >= self._looks or _settled(self._state()) != self._last:
+        if self._silent >= self._looks or self._condition() != self._last:
             self.publish()
 
     def publish_diagnostics(self) -> None:
-        """Publish the diagnostics."""
+        """Publish the diagnostics of the time since the last call, if anybody listens."""
+        tasks = self._tasks()
+        if not self._diagnostics.get_subscription_count():
+            return
         array = DiagnosticArray()
         array.header.stamp = self._node.get_clock().now().to_msg()
-        array.status = self._tasks()
+        array.status = tasks()
         self._diagnostics.publish(array)
-
-
-def _settled(state: Mapping[str, Any]) -> dict[str, Any]:
-    settled = {key: value for key, value in state.items() if key not in CHANGING}
-    for name, part in CHANGING_PARTS:
-        if isinstance(settled.get(name), Mapping):
-            settled[name] = {
-                key: value for key, value in settled[name].items() if key != part}
-    return settled
 
 
 class ChangePublisher:

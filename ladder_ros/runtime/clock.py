@@ -33,10 +33,10 @@ class MonotonicClock:
 
     def __init__(self) -> None:
         self._wake = threading.Event()
+        self._woken = False
 
-    def now(self) -> int:
-        """Return the time in nanoseconds."""
-        return time.monotonic_ns()
+    now = staticmethod(time.monotonic_ns)
+    """Return the time in nanoseconds."""
 
     def sleep_until(self, deadline: int) -> None:
         """Sleep until the deadline; ``wake`` cuts this short by all but the last 20 ms."""
@@ -44,10 +44,12 @@ class MonotonicClock:
         if remaining > _COARSE:
             # An event can be woken but is less exact than time.sleep, so it gets the longer part.
             if self._wake.wait((remaining - _COARSE) / 1e9):
+                self._woken = False
                 self._wake.clear()
                 return
             remaining = deadline - time.monotonic_ns()
-        elif self._wake.is_set():
+        elif self._woken:
+            self._woken = False
             self._wake.clear()
             return
         # With nothing left to sleep this still lets other threads run.
@@ -55,6 +57,7 @@ class MonotonicClock:
 
     def wake(self) -> None:
         """Make the current sleep, or else the next one, return early."""
+        self._woken = True
         self._wake.set()
 
 

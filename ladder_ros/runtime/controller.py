@@ -12,7 +12,7 @@ from ladder_ros.diagnostics import InternalError, LadderError, Location
 from ladder_ros.executable import Executable, Form
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.clock import Clock, MonotonicClock, rest
-from ladder_ros.runtime.exchange import Exchange
+from ladder_ros.runtime.exchange import Exchange, Inlet
 from ladder_ros.runtime.listeners import (
     check_interval,
     ControllerState,
@@ -32,9 +32,9 @@ from ladder_ros.runtime.recorder import TraceRecorder
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
 from ladder_ros.runtime.scheduling import ask_for, RealTime, wake_promptly
 from ladder_ros.runtime.shadow import Shadow
-from ladder_ros.runtime.statistics import Recorder, Share, Statistics
+from ladder_ros.runtime.statistics import Recorder, Statistics
 from ladder_ros.runtime.supervisor import Supervisor
-from ladder_ros.runtime.tasks import make_tasks, TaskStatistics
+from ladder_ros.runtime.tasks import make_tasks
 from ladder_ros.runtime.trial import (
     ChangeListener,
     DEFAULT_OVERRUN_LIMIT,
@@ -109,8 +109,7 @@ class Controller:
     @property
     def interval(self) -> int:
         """The scan interval in ns: the one asked for, else the program's, else 10 ms."""
-        cycle = self._programs.cycle
-        return self._interval_for(cycle.interval if cycle else 0)
+        return self._interval_for(self._programs.cycle.interval if self._programs.cycle else 0)
 
     @property
     def statistics(self) -> Statistics:
@@ -118,22 +117,9 @@ class Controller:
         return self._recorder.read()
 
     @property
-    def tasks(self) -> tuple[TaskStatistics, ...]:
-        """The statistics of each task since the last start or change of the program."""
-        cycle = self._programs.cycle
-        return cycle.task_statistics() if cycle else ()
-
-    @property
-    def runs_as(self) -> str | None:
-        """The backend whose code runs now; None without a program."""
-        cycle = self._programs.cycle
-        return cycle.runs_as if cycle else None
-
-    @property
-    def share(self) -> Share:
-        """How much of the program is executed."""
-        cycle = self._programs.cycle
-        return cycle.share if cycle else Share()
+    def cycle(self) -> ScanCycle | None:
+        """The program that runs, to be read at any moment, or None."""
+        return self._programs.cycle
 
     @property
     def listener_error(self) -> str:
@@ -354,14 +340,18 @@ class Controller:
     def write_all(self, values: Iterable[Write], *, of: Executable | None = None) -> None:
         """Give variables values before the next scan, all in the same; never waits for a scan.
 
-        With ``catch_pulse`` a value that lasted for less than a scan is still seen by one.  ``of``
-        is the executable that the indices were taken from: should another one have taken its
-        place, the variables of these paths are written, if there still are some of their types.
-        Raises TypeError if a value is not of its slot's type.
+        With ``catch_pulse`` a value that lasted for less than a scan is still seen by one.  If
+        another program has taken the place of ``of``, which the indices were taken from, the
+        variables of these paths and types are written.  Raises TypeError for another type.
         """
         with self._programs.lock:
             cycle = self._loaded('writing')
+            self._programs.deliver()
             cycle.image.write(moved_writes(values, of or cycle.executable, cycle.executable))
+
+    def inlet(self, executable: Executable) -> Inlet:
+        """Return a quick :meth:`write_all`, for values of the very types of slots."""
+        return self._programs.inlet(executable)
 
     def read(self, index: int) -> Value:
         """Return a variable's value after the last scan."""
@@ -462,24 +452,29 @@ class Controller:
             self._supervisor.end()
 
     def _scan_until_stopped(self) -> None:
-        deadline = self._due = self._clock.now()
+        # A call costs more than it seems: after a sleep nothing is in the caches.
+        clock, turns, programs = self._clock, self._turns, self._programs
+        deadline = self._due = clock.now()
         running = True
         while running and not self._stopping:
-            self._turns.run_errands()
-            interval = self.interval
-            ahead = deadline - self._clock.now()
-            if ahead > interval:
-                deadline += interval - ahead  # the clock was set back, or the interval shortened
+            if turns.errands:
+                turns.run_errands()
+            interval = self._interval or (
+                programs.cycle.interval if programs.cycle else 0) or DEFAULT_INTERVAL
+            ahead = deadline - clock.now()
             if ahead > 0:
-                self._clock.sleep_until(deadline)
+                if ahead > interval:  # the clock was set back, or the interval shortened
+                    deadline += interval - ahead
+                clock.sleep_until(deadline)
                 continue
             missed = -ahead // interval
-            self._recorder.skip(missed)
-            deadline += missed * interval
+            if missed:
+                self._recorder.skip(missed)
+                deadline += missed * interval
             running = self._scan(deadline, -ahead - missed * interval, missed)
             deadline += interval
             self._due = deadline
-            if self._clock.now() > deadline:
+            if clock.now() > deadline:
                 self._recorder.overrun()
         if running:
             self._turns.alone(lambda: self._programs.go_back(
@@ -488,30 +483,38 @@ class Controller:
 
     def _scan(self, now: int, lateness: int, missed: int) -> bool:
         """Run one scan and tell the listeners; return False after a fault."""
-        with self._turns.scan():
-            trial = self.trial
+        programs, turns = self._programs, self._turns
+        if turns.waiting:
+            turns.give_way()
+        with turns.scans:
+            trial = programs.trial
             if trial is not None:
                 why = trial.why_over(self._clock.now(), self._recorder.overruns)
                 if why:
-                    self._programs.go_back(self._loaded('going back'), why)
-            fault = self._scan_and_tell(now, lateness, missed)
-            if fault is not None:
+                    programs.go_back(self._loaded('going back'), why)
+            if self._scan_and_tell(now, lateness, missed) is not None:
                 return False
-            if self._programs.shadow is not None:
-                self._programs.shadow.scan(
-                    self._loaded('scanning'), now + self.interval, missed)
+            if programs.shadow is not None:
+                programs.shadow.scan(self._loaded('scanning'), now + self.interval, missed)
             return True
 
     def _scan_and_tell(self, now: int, lateness: int, missed: int) -> Fault | None:
-        cycle = self._loaded('scanning')
+        programs = self._programs
+        cycle = programs.cycle or self._loaded('scanning')
         if self._trace is not None:
             self._trace.before(cycle)
+        if programs.letters:
+            with programs.lock:
+                programs.deliver()
         began = self._clock.now()
-        self._programs.scanning(began)
+        programs.scanning(began)
         fault = raised = None
         try:
-            with self._supervisor.watched():
+            self._supervisor.begin_scan()
+            try:
                 cycle.scan(now, missed, lateness)
+            finally:
+                self._supervisor.end_scan()
         except Exception as error:
             raised = error
             # Whatever it was, this thread must not die without a word.
@@ -521,8 +524,8 @@ class Controller:
         if self._turns.lost is not None:
             return self._fault  # too late: others have been told
         execution = self._clock.now() - began
-        self._recorder.scan(execution, lateness)
-        if fault is not None and self._programs.go_back(cycle, f'fault: {fault.reason}'):
+        number = self._recorder.scan(execution, lateness)
+        if fault is not None and programs.go_back(cycle, f'fault: {fault.reason}'):
             return None  # nobody is told what the failed scan left
         if self._trace is not None:
             self._trace.after(cycle, missed, raised)
@@ -530,9 +533,8 @@ class Controller:
             self._fault = fault
             self._set_state(ControllerState.FAULTED)
         self._listeners.tell_scan(ScanResult(
-            number=self._recorder.scans - 1, now=now, executable=cycle.executable,
-            values=cycle.state, power=cycle.power, execution_ns=execution, fault=fault,
-            executed=cycle.executed))
+            number, now, cycle.executable, cycle.image.state, cycle.power, execution, fault,
+            cycle.executed, began))
         return fault
 
     def _give_up(self, error: LadderError) -> None:

@@ -45,18 +45,19 @@ class Errands:
 
     def __init__(self) -> None:
         """Nothing to do."""
-        self._waiting: deque[_Errand[object]] = deque()
+        self.waiting: deque[_Errand[object]] = deque()
+        """What is to be done."""
 
     def run(self) -> None:
         """Do what is waiting, in the order in which it was asked for."""
-        if not self._waiting:
+        if not self.waiting:
             return
         collects = gc.isenabled()
         gc.disable()  # a collection now would take longer than the errand
         try:
-            while self._waiting:
+            while self.waiting:
                 try:
-                    errand = self._waiting.popleft()
+                    errand = self.waiting.popleft()
                 except IndexError:  # the one who waits did it himself
                     break
                 errand.run()
@@ -75,7 +76,7 @@ class Errands:
         everyone else away meanwhile.
         """
         errand: _Errand[_T] = _Errand(action)
-        self._waiting.append(errand)  # type: ignore[arg-type]
+        self.waiting.append(errand)  # type: ignore[arg-type]
         if thread is not None and thread.is_alive():
             wake()
             while not errand.done.wait(_LOOK):

@@ -7,16 +7,26 @@ Everything here happens between two scans, and takes as little time as it can.
 
 from __future__ import annotations
 
+from collections import deque
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 import threading
 
 from ladder_ros.executable import Executable, Form, State
+from ladder_ros.model.types import Value
 from ladder_ros.runtime.clock import Clock
 from ladder_ros.runtime.listeners import Listeners
 from ladder_ros.runtime.online_change import Gap, SwapReport
+from ladder_ros.runtime.process_image import Letter
 from ladder_ros.runtime.scan_cycle import ScanCycle, Successor
 from ladder_ros.runtime.shadow import Shadow
 from ladder_ros.runtime.trial import ChangeKind, ProgramChange, Trial
+
+MOST_LETTERS = 1000
+"""So many wait for the next scan; who posts more delivers them himself."""
+
+Inlet = Callable[[Sequence[int], Sequence[Value], Collection[int]], None]
+"""Posts slots of a program, values of their types, and the slots of which short pulses count."""
 
 
 class Exchange:
@@ -31,6 +41,8 @@ class Exchange:
         self.shadow: Shadow | None = None
         self.lock = threading.Lock()
         """Held while the program is exchanged, so that no written value is lost."""
+        self.letters: deque[Letter] = deque()
+        """What has been posted and not delivered."""
         self._last_began: int | None = None
         self._gap: Gap | None = None
 
@@ -38,7 +50,29 @@ class Exchange:
         """Load a program, or none."""
         with self.lock:
             self.cycle = cycle
+            self.letters.clear()
         self.shadow = None
+
+    def inlet(self, executable: Executable) -> Inlet:
+        """Return what posts values of slots of a program, which may have been exchanged then."""
+        letters = self.letters
+
+        def post(
+            indices: Sequence[int], values: Sequence[Value], pulses: Collection[int],
+        ) -> None:
+            letters.append((executable, indices, values, pulses))
+            if len(letters) > MOST_LETTERS:
+                with self.lock:
+                    self.deliver()
+
+        return post
+
+    def deliver(self) -> None:
+        """Deliver what has been posted to the program that is there; the lock is held."""
+        if self.cycle is None:
+            self.letters.clear()
+        else:
+            self.cycle.image.put(self.letters)
 
     def restarted(self) -> None:
         """Note that no scan has run since a start."""
@@ -59,6 +93,7 @@ class Exchange:
         kind = ChangeKind.CHANGE if timeout is None else ChangeKind.TEST
         began = self._clock.now()
         with self.lock:
+            self.deliver()
             new, forces_dropped = successor.take_over(copy=timeout is not None)
             self.cycle = new
         pause = self._clock.now() - began
@@ -79,6 +114,7 @@ class Exchange:
             return False
         began = self._clock.now()
         with self.lock:
+            self.deliver()
             trial.old.go_on_after(tried, trial.plan, began - trial.began)
             self.cycle, self.trial = trial.old, None
         report = replace(

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.executable import Executable
@@ -40,14 +41,14 @@ class Fault:
     location: Location = Location()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ScanResult:
+class ScanResult(NamedTuple):
     """What a listener is shown after a scan, the one that failed included.
 
     ``values`` (by slot) and ``power`` (by component; None unless observed) are the live lists:
     read them during the call, and never write to them.  ``executable`` is another object after a
-    change of the program.  ``execution_ns`` is how long the scan took, ``executed`` how many
-    instructions of the program it executed.
+    change of the program.  ``now`` is when the scan was due, ``began`` when it began by the same
+    clock; ``execution_ns`` is how long it took, ``executed`` how many instructions of the program
+    it executed.
     """
 
     number: int
@@ -58,6 +59,7 @@ class ScanResult:
     execution_ns: int
     fault: Fault | None = None
     executed: int = 0
+    began: int = 0
 
 
 Listener = Callable[[ScanResult], None]

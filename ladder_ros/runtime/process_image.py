@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections import deque
+from collections.abc import Collection, Iterable, Mapping, Sequence
 import threading
+from typing import TypeVar
 
 from ladder_ros.executable import Executable, Form, SlotClass, State
 from ladder_ros.model.types import DataType, normalise, Value
@@ -13,6 +15,20 @@ from ladder_ros.runtime.state_plan import StatePlan
 
 Write = tuple[int, Value, bool]
 """A slot's index, what it is to become, and whether a short pulse of it is to be seen."""
+
+
+_T = TypeVar('_T')
+
+Letter = tuple[Executable, Sequence[int], Sequence[Value], Collection[int]]
+"""A program, slots of it, values of their very types, slots of which short pulses count."""
+
+
+def _writes(
+    indices: Sequence[int], values: Sequence[Value], pulses: Collection[int],
+) -> Iterable[Write]:
+    """Return values one by one."""
+    return ((index, value, index in pulses)
+            for index, value in zip(indices, values, strict=True))
 
 
 def moved_writes(
@@ -32,9 +48,10 @@ class PendingInputs:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._next: dict[int, Value] = {}
+        self.some: dict[int, Value] = {}
+        """What the next scan is to see, by slot."""
         self._later: dict[int, Value] = {}
-        self._frozen: dict[int, Value] = {}
+        self._frozen: dict[int, Value | None] = {}  # of slots that catch pulses
 
     def write(self, values: Iterable[Write]) -> None:
         """Keep values for the next scan, which sees all of them or none.
@@ -44,33 +61,53 @@ class PendingInputs:
         that.
         """
         with self._lock:
-            for index, value, catch_pulse in values:
-                waiting = self._next.get(index, value)
-                if catch_pulse and waiting != value and waiting != self._frozen.get(index):
+            self._write(values)
+
+    def _write(self, values: Iterable[Write]) -> None:
+        for index, value, catch_pulse in values:
+            waiting = self.some.get(index, value)
+            if catch_pulse:
+                seen = self._frozen.setdefault(index)
+                if waiting not in (value, seen):
                     self._later[index] = value
+                    continue
+            self.some[index] = value
+            self._later.pop(index, None)
+
+    def put(self, letters: deque[Letter], executable: Executable) -> None:
+        """Write what the letters say, to the slots of this program; there are none left then."""
+        with self._lock:
+            some = self.some
+            while letters:
+                its, indices, values, pulses = letters.popleft()
+                if its is not executable or pulses or self._later:
+                    self._write(moved_writes(_writes(indices, values, pulses), its, executable))
+                elif len(indices) == 1:
+                    some[indices[0]] = values[0]
                 else:
-                    self._next[index] = value
-                    self._later.pop(index, None)
+                    some.update(zip(indices, values, strict=True))
 
     def take(self) -> dict[int, Value]:
-        """Return what the next scan is to see, by slot."""
-        if not self._next:
-            return {}
+        """Return what the next scan is to see, which begins."""
         with self._lock:
-            taken, self._next, self._later = self._next, self._later, {}
-            self._frozen.update(taken)
+            taken, self.some, self._later = self.some, self._later, {}
+            for index in self._frozen:
+                if index in taken:
+                    self._frozen[index] = taken[index]
         return taken
 
     def moved(self, moves: Mapping[int, int]) -> PendingInputs:
         """Return what is pending for another program; ``moves`` maps its slots from the old."""
         result = PendingInputs()
         with self._lock:
-            for old, new in (
-                (self._next, result._next), (self._later, result._later),
-                (self._frozen, result._frozen),
-            ):
-                new.update((moves[index], value) for index, value in old.items() if index in moves)
+            result.some = _moved(self.some, moves)
+            result._later = _moved(self._later, moves)
+            result._frozen = _moved(self._frozen, moves)
         return result
+
+
+def _moved(values: Mapping[int, _T], moves: Mapping[int, int]) -> dict[int, _T]:
+    return {moves[index]: value for index, value in values.items() if index in moves}
 
 
 class ProcessImage:
@@ -84,11 +121,13 @@ class ProcessImage:
 
         The state is as a faster form of the program has it, if there is one already.
         """
+        self._executable = executable
         self._slots = executable.slots
         self._make_state = form.make_state if form is not None else executable.make_state
         self.state = self._make_state(executable.outline.initial)
         self._types: dict[int, DataType] = {}
-        self._pending = PendingInputs()
+        self.pending = PendingInputs()
+        """What is to enter it."""
         self._forces: dict[int, Value] = {}
         self._behind: dict[int, Value] = {}  # values that wait behind a force
         self._outline = executable.outline
@@ -105,9 +144,16 @@ class ProcessImage:
         of its slot's type.
         """
         types = self._types
-        self._pending.write([
+        self.pending.write([
             (index, normalise(value, types.get(index) or self._type(index)), catch_pulse)
             for index, value, catch_pulse in values])
+
+    def put(self, letters: deque[Letter]) -> None:
+        """Do what :meth:`write` does with the values of letters; there are none left then.
+
+        One thread at a time.
+        """
+        self.pending.put(letters, self._executable)
 
     def _type(self, index: int) -> DataType:
         """Return the type of a slot, and keep it: slots may be read from afar."""
@@ -116,9 +162,7 @@ class ProcessImage:
 
     def freeze(self) -> Mapping[int, Value]:
         """Bring what is pending into the state, the inputs of one scan; return it by slot."""
-        taken = self._pending.take()
-        if not taken:
-            return taken
+        taken = self.pending.take()
         if not self._forces:
             for index, value in taken.items():
                 self.state[index] = value
@@ -191,7 +235,7 @@ class ProcessImage:
             self.state[index] = value
 
     def _take_pending_and_forces(self, other: ProcessImage, moves: Mapping[int, int]) -> None:
-        self._pending = other._pending.moved(moves)
+        self.pending = other.pending.moved(moves)
         for old_values, new_values in (
             (other._forces, self._forces), (other._behind, self._behind),
         ):

@@ -141,8 +141,7 @@ class ScanCycle:
         functions = self._variants.get(variant)
         if functions is None:
             functions = self.executable.build(variant)
-            if self.form is not None:
-                functions = self.form.adapt(functions)
+            functions = dict(self.form.adapt(functions) if self.form is not None else functions)
             while len(self._variants) >= _CACHED_VARIANTS:
                 del self._variants[next(iter(self._variants))]
             self._variants[variant] = functions
@@ -155,8 +154,9 @@ class ScanCycle:
         """
         self.image.take_form(form, state)
         self._variants = {
-            variant: form.adapt(functions) for variant, functions in self._variants.items()}
-        self._variants[Variant()] = form.functions
+            variant: dict(form.adapt(functions))
+            for variant, functions in self._variants.items()}
+        self._variants[Variant()] = dict(form.functions)
         self.form = form
         self._functions = self.prepared(self.variant)
 
@@ -221,51 +221,54 @@ class ScanCycle:
         """
         self.now = now = now - self.offset
         self._current = None
-        self.taken = self.image.freeze()
-        timer = self._timer
-        began = timer() if timer is not None else 0
+        self.taken = self.image.freeze() if self.image.pending.some else {}
+        timer, functions, state = self._timer, self._functions, self.image.state
+        observed = self.power is not None
+        start = began = timer() if timer is not None else 0
         executed = 0
         if not self._started:
             self._started = True
             executed = self._first_instructions
-            for name in self._once:
-                self._run(name, now)
+            self._run_first(now)
+            start = timer() if timer is not None else 0
         elif self._powers:
             for name in self._once:
                 self._powers.pop(name, None)
         last_tick = self._tick
         self._tick = last_tick + 1 + missed
         for task in self.tasks:
-            if not task.is_due(self.image.state, self._tick, last_tick):
+            if not (task.always or task.is_due(state, self._tick, last_tick)):
                 continue
             self._current = task
-            start = timer() if timer is not None else 0
-            for name in task.bodies:
-                self._run(name, now)
-            executed += task.executed(self.image.state)
-            if timer is not None:
-                self._note(task, timer() - start, lateness + start - began)
+            name = ''
+            try:
+                for name in task.bodies:
+                    functions[name](state, now, self._power_of(name) if observed else None)
+                executed += task.executed(state) if task.parts else task.instructions
+                if timer is not None:
+                    ended = timer()
+                    task.note(ended - start, lateness + start - began)
+                    start = ended
+            except Exception as error:
+                raise ProgramFault(name, error) from error
         self.executed = executed
         self._executed_sum += executed
         self._scans += 1
         if self.power is not None:
             self.power[:] = map(any, zip(*self._powers.values(), strict=True))
 
-    def _note(self, task: RunningTask, took: int, lateness: int) -> None:
-        try:
-            task.note(took, lateness)
-        except LadderError as error:
-            raise ProgramFault(task.bodies[-1], error) from error
+    def _run_first(self, now: int) -> None:
+        """Run what runs once."""
+        for name in self._once:
+            power = None if self.power is None else self._power_of(name)
+            try:
+                self._functions[name](self.image.state, now, power)
+            except Exception as error:
+                raise ProgramFault(name, error) from error
 
-    def _run(self, name: str, now: int) -> None:
-        # Each body clears the whole list that it is given, so that it gets one of its own.
-        power = None
-        if self.power is not None:
-            power = self._powers.setdefault(name, [False] * len(self.power))
-        try:
-            self._functions[name](self.image.state, now, power)
-        except Exception as error:
-            raise ProgramFault(name, error) from error
+    def _power_of(self, name: str) -> list[bool]:
+        """Return the power of a body: each clears the whole list that it is given."""
+        return self._powers.setdefault(name, [False] * len(self.power or ()))
 
     # Other moments, other programs
 

@@ -9,23 +9,26 @@ from ladder_ros.model.types import NS_PER_MS
 from ladder_ros.runtime.change_desk import ChangeDesk
 from ladder_ros.runtime.controller import Controller
 from ladder_ros.runtime.listeners import Fault
+from ladder_ros.runtime.recorder import TraceRecorder
+from ladder_ros.runtime.retention import Retention
+from ladder_ros.runtime.statistics import Share
 from ladder_ros.runtime.values import format_value
 
 
 def session_status(
-    controller: Controller, desk: ChangeDesk, *, retain: dict[str, object] | None,
-    recording: str | None,
+    controller: Controller, desk: ChangeDesk, retention: Retention | None,
+    trace: TraceRecorder | None,
 ) -> dict[str, object]:
     """Return the status; times are in ms."""
     loaded, change, shadow = desk.loaded, desk.last, controller.shadow
-    statistics = controller.statistics
+    statistics, cycle = controller.statistics, controller.cycle
     return {
         'state': controller.state.value,
         'program': loaded.name if loaded else None,
         'path': loaded.path if loaded else None,
         'hash': loaded.source_hash if loaded else None,
         'backend': loaded.backend if loaded else None,
-        'runs_as': controller.runs_as,
+        'runs_as': cycle.runs_as if cycle else None,
         'interval_ms': controller.interval / NS_PER_MS,
         'scans': statistics.scans,
         'overruns': statistics.overruns,
@@ -37,18 +40,36 @@ def session_status(
         'max_lateness_ms': statistics.max_lateness_ns / NS_PER_MS,
         'jitter_ms': statistics.jitter_ns / NS_PER_MS,
         'real_time_refused': list(controller.refused),
-        'tasks': [task.to_json() for task in controller.tasks],
-        'share': controller.share.to_json(),
+        'tasks': [task.to_json() for task in (cycle.task_statistics() if cycle else ())],
+        'share': (cycle.share if cycle else Share()).to_json(),
         'forces': _forces(controller),
         'arithmetic_errors': _arithmetic_errors(controller),
         'last_fault': _fault(controller.fault),
         'last_change': change.to_json() if change else None,
         'change': _change(controller, desk),
         'shadow': shadow.status().to_json() if shadow else None,
-        'retain': retain,
-        'recording': recording,
+        'retain': retention.to_json() if retention else None,
+        'recording': trace.path if trace else None,
         'listener_error': controller.listener_error or None,
     }
+
+
+def condition(
+    controller: Controller, desk: ChangeDesk, trace: TraceRecorder | None,
+) -> object:
+    """Return something that is equal as long as the status is, but for what changes all the time.
+
+    That is: counts, times, shares, and what a shadow run or retained values are about.
+    """
+    loaded, last, trial, candidate = desk.loaded, desk.last, controller.trial, desk.candidate
+    cycle = controller.cycle
+    return (
+        controller.state, controller.fault, cycle and cycle.runs_as, controller.interval,
+        controller.statistics.overruns, controller.refused, controller.forces,
+        _arithmetic_errors(controller), controller.listener_error, trace and trace.path,
+        loaded and (loaded.path, loaded.source_hash, loaded.backend),
+        last and (last.kind, last.time, last.report and last.report.gap_ns),
+        trial and trial.began, candidate and candidate.source_hash)
 
 
 def _change(controller: Controller, desk: ChangeDesk) -> dict[str, object]:
@@ -69,9 +90,9 @@ def _forces(controller: Controller) -> dict[str, str]:
 
 
 def _arithmetic_errors(controller: Controller) -> int:
-    executable = controller.executable
-    slot = executable.slot(ARITHMETIC_ERRORS) if executable else None
-    return int(controller.read(slot.index)) if slot else 0
+    cycle = controller.cycle
+    slot = cycle.executable.slot(ARITHMETIC_ERRORS) if cycle else None
+    return int(cycle.state[slot.index]) if cycle and slot else 0
 
 
 def _fault(fault: Fault | None) -> dict[str, object] | None:

@@ -74,18 +74,25 @@ class Recorder:
         """Number of executions so far that were not over when the next one was due."""
         return self._overruns
 
-    def scan(self, execution: int, lateness: int) -> None:
-        """Note an execution: how long it took, and how much after its deadline it began (ns)."""
+    def scan(self, execution: int, lateness: int) -> int:
+        """Note an execution: how long it took, and how much after its deadline it began (ns).
+
+        Returns its number, the first is 0.
+        """
         self._last = execution
-        if self._scans:
-            self._least = min(self._least, execution)
-            self._earliest = min(self._earliest, lateness)
-        else:
-            self._least, self._earliest = execution, lateness
-        self._most = max(self._most, execution)
         self._sum += execution
-        self._latest = max(self._latest, lateness)
+        if not self._scans:
+            self._least, self._earliest = execution, lateness
         self._scans += 1
+        if execution < self._least:
+            self._least = execution
+        if execution > self._most:
+            self._most = execution
+        if lateness < self._earliest:
+            self._earliest = lateness
+        if lateness > self._latest:
+            self._latest = lateness
+        return self._scans - 1
 
     def overrun(self) -> None:
         """Note that an execution was not over when the next one was due."""

@@ -9,8 +9,7 @@ not Python does not notice that; who scans is then given up, and others are told
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 import ctypes
 from dataclasses import dataclass
 import threading
@@ -59,18 +58,20 @@ class Supervisor:
         self._since = 0
         self._broken: int | None = None
 
-    @contextmanager
-    def watched(self) -> Iterator[None]:
-        """Scan meanwhile; a scan that takes too long raises LadderError at any place in it."""
+    def begin_scan(self) -> None:
+        """Watch what the calling thread does from now on.
+
+        If it takes too long it raises LadderError at any place, until :meth:`end_scan` returns.
+        """
         self._scan += 1
         self._ident = threading.get_ident()
-        try:
-            yield
-        finally:
-            with self._lock:
-                self._ident = None
-            for _ in range(2):  # what was raised a moment ago arrives here, and no later
-                pass
+
+    def end_scan(self) -> None:
+        """Watch it no more."""
+        with self._lock:
+            self._ident = None
+        for _ in range(2):  # what was raised a moment ago arrives here, and no later
+            pass
 
     def begin(self) -> None:
         """Watch until :meth:`end`."""

@@ -67,12 +67,15 @@ class RunningTask:
         slot = executable.slot(entry.single) if entry.single else None
         self.single = slot.index if slot is not None else None
         self.ratio = 1
+        self.always = False
+        """Whether it runs in every scan."""
         self.recorder = Recorder()
         self.trips = 0
         self._trips_in_a_row = 0
         self.sensed = False
         """The value of the variable that runs it, when it was last looked at."""
-        self.instructions, self._parts = _instructions(executable, self.bodies)
+        self.instructions, self.parts = _instructions(executable, self.bodies)
+        """Instructions that it always executes, and those that it does if a slot says so."""
 
     def is_due(self, state: State, tick: int, last_tick: int) -> bool:
         """Say whether it runs now, in the scan of a tick; looks at its variable."""
@@ -84,7 +87,7 @@ class RunningTask:
 
     def executed(self, state: State) -> int:
         """Return how many instructions the run that has just ended has executed."""
-        return self.instructions + sum(count for count, slot in self._parts if state[slot])
+        return self.instructions + sum(count for count, slot in self.parts if state[slot])
 
     def note(self, took: int, lateness: int) -> None:
         """Note a run (ns).  Raises LadderError (L0525) if the watchdog has had enough."""
@@ -162,6 +165,7 @@ def make_tasks(executable: Executable) -> tuple[tuple[RunningTask, ...], int]:
             running.ratio = running.entry.interval // interval
         elif running.single is not None:
             running.ratio = 0
+        running.always = running.ratio == 1 and running.single is None
     return tuple(tasks), interval
 
 

@@ -26,12 +26,16 @@ class Turns:
         self.scanner: threading.Thread | None = None
         # Locks are always taken in this order.  One request at a time:
         self._requests = threading.RLock()
-        # The gate makes the next lock fair: the scan thread passes it before each scan, so that
-        # it cannot take that lock again from under someone who waits for it.
+        # The gate makes the next lock fair: the scan thread passes it before each scan for which
+        # somebody waits, so that it cannot take that lock again from under him.
         self._gate = threading.RLock()
-        # Held during a scan and its listeners, or to keep one from starting:
-        self._between = threading.RLock()
+        self.scans = threading.RLock()
+        """Held during a scan and its listeners, or to keep one from starting."""
+        self.waiting: list[object] = []
+        """Those who want no scan to start, or have it so."""
         self._errands = Errands()
+        self.errands = self._errands.waiting
+        """What others have asked the scan thread for."""
         self.lost: LadderError | None = None
         """Why the scan thread was given up: its scan does not end."""
 
@@ -40,15 +44,10 @@ class Turns:
         """Whether the calling thread is the one that scans."""
         return threading.current_thread() is self.scanner
 
-    @contextmanager
-    def scan(self) -> Iterator[None]:
-        """Scan meanwhile; for the scan thread."""
+    def give_way(self) -> None:
+        """Let those who wait have their turn; for the scan thread, before it holds ``scans``."""
         with self._gate:
-            self._between.acquire()
-        try:
-            yield
-        finally:
-            self._between.release()
+            pass
 
     def run_errands(self) -> None:
         """Do what others have asked for; for the scan thread between two scans."""
@@ -102,7 +101,10 @@ class Turns:
     @contextmanager
     def _no_scan(self) -> Iterator[None]:
         with ExitStack() as stack:
-            for lock in (self._gate, self._between):
+            me = object()
+            self.waiting.append(me)
+            stack.callback(self.waiting.remove, me)
+            for lock in (self._gate, self.scans):
                 while not lock.acquire(timeout=_LOOK):
                     self._check()
                 stack.callback(lock.release)

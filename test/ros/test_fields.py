@@ -21,6 +21,7 @@ from ladder_ros.ros.fields import (
     reader,
     resize,
     resolve_field,
+    row_reader,
     Scalar,
     UnknownMessage,
     UnusableField,
@@ -191,3 +192,33 @@ def test_message_when_it_is_not_installed_then_it_says_what_to_do(
     monkeypatch.setenv('ROS_DISTRO', 'jazzy')
     with pytest.raises(UnknownMessage, match=told.replace('?', r'\?')):
         installed_fields(name)
+
+
+class Packed:
+    def __init__(self, data: bytes) -> None:
+        self.data = list(data)
+
+
+@given(st.binary(min_size=1, max_size=20), st.data())
+def test_bits_when_read_at_once_then_they_are_those_read_one_by_one(
+        data: bytes, draw: st.DataObject) -> None:
+    bits = draw.draw(st.lists(
+        st.integers(0, 8 * len(data) - 1), min_size=1, max_size=30, unique=True))
+    places = [resolve_field(SCHEMA, BYTES, 'data', bit=bit) for bit in bits]
+    read = row_reader([(('data',), [(place, bool) for place in places])])
+    assert read is not None
+    message = Packed(data)
+    assert list(read(message)) == [bool(reader(place)(message)) for place in places]
+
+
+def test_bits_when_an_element_is_missing_then_reading_says_so() -> None:
+    places = [resolve_field(SCHEMA, BYTES, 'data', bit=bit) for bit in (1, 9)]
+    read = row_reader([(('data',), [(place, bool) for place in places])])
+    assert read is not None
+    with pytest.raises(IndexError):
+        read(Packed(b'\1'))
+
+
+def test_fields_when_one_needs_a_look_at_its_value_then_they_are_not_read_at_once() -> None:
+    places = [resolve_field(SCHEMA, BYTES, f'data[{index}]') for index in (0, 1)]
+    assert row_reader([(('data',), list(zip(places, (int, None), strict=True)))]) is None

@@ -68,7 +68,7 @@ def test_fault_when_the_program_fails_then_safe_values_and_the_reason_are_publis
     state = plc.state()
     assert state['state'] == 'faulted'
     assert 'a fault of the program' in state['last_fault']['reason']
-    scan = plc._tasks()[0]
+    scan = plc._tasks()()[0]
     assert (scan.level, scan.message) == (b'\2', 'faulted')
     assert plc.reset() == {'kind': 'cold'}
     assert plc.state()['state'] == 'stopped'
