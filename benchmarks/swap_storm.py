@@ -57,8 +57,8 @@ def program(rungs: int, interval_ms: float, *, extra: bool) -> str:
         '<rung id="held" width="2"><contact id="c" x="0" y="0" operand="go"/>'
         '<coil id="k" x="1" y="0" operand="held" kind="set"/></rung>'
         '<rung id="count" width="4"><contact id="c" x="0" y="0" operand="always"/><block id="b" '
-        'x="1" y="0" width="2" height="3" type="ADD"><input pin="IN1" operand="n"/><input pin="IN2" '
-        'operand="1"/><output pin="OUT" operand="n"/></block><coil id="k" x="3" y="0" '
+        'x="1" y="0" width="2" height="3" type="ADD"><input pin="IN1" operand="n"/><input '
+        'pin="IN2" operand="1"/><output pin="OUT" operand="n"/></block><coil id="k" x="3" y="0" '
         f'operand="done"/></rung>{rest}</body></ladder>')
 
 

@@ -13,8 +13,9 @@ from support.documents import ROOT
 from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.compiler.il_text import parse_il, print_il
 from ladder_ros.compiler.pipeline import check_program, compile_program
+from ladder_ros.compiler.program_to_st import write_st
 from ladder_ros.diagnostics import LadderError
-from ladder_ros.model.names import KEYWORDS, why_illegal
+from ladder_ros.model.names import RESERVED, why_illegal
 from ladder_ros.refactor.auto import refactor
 from ladder_ros.refactor.rename import rename
 from ladder_ros.source.model_to_xml import write_program
@@ -40,7 +41,8 @@ def text(name: str = 'b', body: str = RUNG, dialect: str = '') -> bytes:
     return PROGRAM.format(name=name, body=body, dialect=dialect).encode()
 
 
-@pytest.mark.parametrize('word', ['TRUE', 'false', 'Not', 'AND', 'INT', 'IF', 'Step', 'VAR_INPUT'])
+@pytest.mark.parametrize(
+    'word', ['TRUE', 'false', 'Not', 'AND', 'INT', 'IF', 'Repeat', 'VAR_INPUT'])
 def test_variable_when_named_as_a_keyword_then_l0202(word: str) -> None:
     with pytest.raises(LadderError) as caught:
         parse_program(text(word), 'p.xml')
@@ -49,15 +51,24 @@ def test_variable_when_named_as_a_keyword_then_l0202(word: str) -> None:
     assert 'keyword' in found.help
 
 
+@pytest.mark.parametrize('word', ['on', 'step', 'task', 'from', 'with'])
+def test_variable_when_named_as_a_word_around_bodies_then_bodies_take_it(word: str) -> None:
+    rung = RUNG.replace('operand="b"', f'operand="{word}"')
+    for body in (rung, f'<st>{word} := a OR {word};</st>'):
+        program = parse_program(text(word, body), 'p.xml')
+        assert Machine(program).scan(a=True)[word] is True
+        assert Machine(parse_any(write_st(program).encode(), 'p.st')).scan(a=True)[f'{word}_2']
+
+
 def test_variable_when_its_name_only_contains_a_keyword_then_it_is_legal() -> None:
-    assert not any(why_illegal(f'{word}_1') for word in KEYWORDS)
+    assert not any(why_illegal(f'{word}_1') for word in RESERVED)
     assert not any(map(why_illegal, ('Q', 'IN', 'ET', 'en', 'start', 'single', 'LD', 'TON')))
 
 
 def test_variable_when_an_imported_program_names_it_as_a_keyword_then_it_loads() -> None:
-    program = parse_program(text('Step', dialect=' dialect="codesys"', body="""
+    program = parse_program(text('Repeat', dialect=' dialect="codesys"', body="""
         <drawing id="1"><contact id="1" x="0" y="0" operand="a"/>
-        <coil id="2" x="1" y="0" operand="Step"/><wire to="1"/><wire from="1" to="2"/>
+        <coil id="2" x="1" y="0" operand="Repeat"/><wire to="1"/><wire from="1" to="2"/>
         </drawing>"""), 'p.xml')
     compile_program(program)
 

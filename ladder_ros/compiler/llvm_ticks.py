@@ -12,7 +12,7 @@ to be executed.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
 from ladder_ros.compiler.il import CONTROL, Instruction, InstructionList, Network, Op, STORES
@@ -43,10 +43,17 @@ def own_times(code: InstructionList, slots: Mapping[str, int]) -> frozenset[int]
                     first = slots[operand.first.path.casefold()]
                     named.update(range(first, first + operand.count * operand.stride))
                 elif isinstance(operand, Ref) and not operand.path.startswith('%T'):
-                    named.add(slots[operand.path.casefold()])
+                    named.update(_slots_of(operand.path.casefold(), slots))
     return frozenset(
         slots[f'{instance}.{name}'.casefold()] for instance, times in calls.items() if times == 1
         for name in _TIMES) - named
+
+
+def _slots_of(path: str, slots: Mapping[str, int]) -> Iterable[int]:
+    """Return the slot of a variable; of an array or a structure, those of its parts."""
+    if path in slots:
+        return (slots[path],)
+    return (slot for name, slot in slots.items() if name.startswith((f'{path}.', f'{path}[')))
 
 
 def _operands(instruction: Instruction) -> Iterator[Operand]:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 import re
 
 from ladder_ros.model.catalogue import CATALOGUE
-from ladder_ros.model.names import KEYWORDS, MAX_NAME
+from ladder_ros.model.names import MAX_NAME, RESERVED
 
 _WORD = re.compile(r'[A-Z]?[a-z]+|[A-Z]+(?![a-z])|[0-9]+')
 
@@ -37,7 +37,7 @@ def unique(name: str, taken: set[str]) -> str:
 
 def unique_name(name: str, taken: set[str]) -> str:
     """Return the name, or one like it that is no keyword and not taken yet, and take it."""
-    return unique(f'{name}_1' if name.upper() in KEYWORDS else name, taken)
+    return unique(f'{name}_1' if name.upper() in RESERVED else name, taken)
 
 
 def numbered(stem: str, taken: set[str]) -> str:
