@@ -44,7 +44,7 @@ def save_retained(path: str, retained: Retained) -> None:
     try:
         _write(path + _NEW, data)
         if os.path.exists(path):
-            os.replace(path, path + PREVIOUS)
+            _keep(path)
         os.replace(path + _NEW, path)
         _sync_folder(path)
     except OSError as error:
@@ -54,6 +54,16 @@ def save_retained(path: str, retained: Retained) -> None:
             'L0524', Location(file=path), reason=error.strerror or str(error),
             expected='make room, or mend the folder; the program runs on, and saving is tried '
                      'again') from None
+
+
+def _keep(path: str) -> None:
+    """Let the last values be the last but one; they have both names until new ones come."""
+    with suppress(FileNotFoundError):
+        os.unlink(path + PREVIOUS)
+    try:
+        os.link(path, path + PREVIOUS)
+    except OSError:  # a file system without links: there is only the previous file for a moment
+        os.replace(path, path + PREVIOUS)
 
 
 def _write(path: str, data: bytes) -> None:

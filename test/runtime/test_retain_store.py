@@ -4,6 +4,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+import errno
+import os
 from pathlib import Path
 import subprocess
 import sys
@@ -82,6 +85,51 @@ def test_save_when_killed_at_any_byte_of_the_new_file_then_the_old_one_is_read(
     for length in range(len(whole) + 1):
         (tmp_path / 'store.new').write_bytes(whole[:length])
         assert counts(path) == 1
+
+
+class Killed(BaseException):
+    """The process has ended."""
+
+
+@pytest.mark.parametrize('step', range(3))
+def test_save_when_killed_between_two_steps_then_the_file_is_there_and_whole(
+    step: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    path = tmp_path / 'store'
+    for number in (1, 2):
+        save_retained(str(path), retained(number))
+    steps = 0
+
+    def dying(real: Callable[..., None]) -> Callable[..., None]:
+        def call(*names: str) -> None:
+            nonlocal steps
+            if steps == step:
+                raise Killed
+            steps += 1
+            real(*names)
+        return call
+
+    for name in ('unlink', 'link', 'replace'):
+        monkeypatch.setattr(os, name, dying(getattr(os, name)))
+    with pytest.raises(Killed):
+        save_retained(str(path), retained(3))
+    assert path.is_file()
+    assert counts(path) == 2
+
+
+def test_save_when_the_file_system_has_no_links_then_the_one_before_stays_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refuse(*_names: str) -> None:
+        raise OSError(errno.EPERM, 'no links here')
+
+    monkeypatch.setattr(os, 'link', refuse)
+    path = tmp_path / 'store'
+    for number in (1, 2):
+        save_retained(str(path), retained(number))
+    assert counts(path) == 2
+    path.unlink()
+    assert counts(path) == 1
 
 
 def test_load_when_killed_between_the_two_renames_then_the_one_before_is_read(
