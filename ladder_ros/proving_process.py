@@ -6,14 +6,11 @@ from __future__ import annotations
 
 from collections import OrderedDict
 import json
-import os
-from pathlib import Path
 import pickle
 import subprocess
-import sys
 import threading
 
-import ladder_ros
+from ladder_ros.own_module import command
 from ladder_ros.runtime.changes import Loaded
 from ladder_ros.runtime.proof_report import ProofReport
 
@@ -42,13 +39,10 @@ class _Job:
         self.done.set()
 
     def _run(self, request: bytes) -> None:
-        root = str(Path(ladder_ros.__file__).parents[1])
-        paths = [root, *filter(None, [os.environ.get('PYTHONPATH')])]
         try:
             self._process = subprocess.Popen(
-                [sys.executable, '-m', 'ladder_ros.proving'], stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE, start_new_session=True,  # no Ctrl-C for it
-                env={**os.environ, 'PYTHONPATH': os.pathsep.join(paths)})
+                command('ladder_ros.proving'), stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE, start_new_session=True)  # no Ctrl-C for it
             output, _ = self._process.communicate(request, timeout=self._timeout_s + _GRACE_S)
             facts = json.loads(output)
             self.report = ProofReport(answer=str(facts.pop('answer')), facts=facts)

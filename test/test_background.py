@@ -57,6 +57,20 @@ def states(executable: Executable, variant: Variant = PLAIN) -> list[list[object
     return found
 
 
+def test_process_when_the_working_directory_holds_another_package_then_it_is_this_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    (tmp_path / 'ladder_ros').mkdir()
+    (tmp_path / 'ladder_ros' / '__init__.py').write_text('raise SystemExit(3)')
+    monkeypatch.chdir(tmp_path)
+    compiler = CompilerProcess()
+    try:
+        compiler.compile(PROGRAMS[0].read_bytes(), 'p.xml', backend='python')
+        assert compiler._process is not None, 'the process that has compiled'
+    finally:
+        compiler.close()
+
+
 @pytest.mark.parametrize('path', PROGRAMS, ids=lambda path: path.stem)
 def test_compile_when_done_elsewhere_then_the_program_is_the_same(
     path: Path, compiler: CompilerProcess,

@@ -38,6 +38,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     'resources': set(),
     'garbage': set(),
     'nouns': set(),
+    'own_module': {''},
     'diagnostics': {'problems'},
     'model': BASE,
     'source': BASE | {'model'},
@@ -50,9 +51,9 @@ MAY_IMPORT: dict[str, set[str]] = {
     'refactor': DATA | {'source', 'blocks', 'compiler', 'coordinates', 'edit'},
     'runtime': BASE | {'model.types', 'executable'},
     'comparing': DATA | {'source', 'drawing', 'coordinates', 'refactor'},
-    'proving_process': {'runtime'},
+    'proving_process': {'runtime', 'own_module'},
     # Does for the runtime what the compiler can, in another process.
-    'background': DATA | {'source', 'blocks', 'compiler', 'runtime'},
+    'background': DATA | {'source', 'blocks', 'compiler', 'runtime', 'own_module'},
     'session': DATA | {
         'source', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'background',
         'resources', 'proving_process',

@@ -12,16 +12,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 import hashlib
-import os
-from pathlib import Path
 import pickle
 import subprocess
-import sys
 import threading
 from typing import Any, TypeVar
 import zlib
 
-import ladder_ros
 from ladder_ros.background.frames import Channel
 from ladder_ros.background.packing import (
     Receive,
@@ -39,6 +35,7 @@ from ladder_ros.compiler.pipeline import Compilation, compile_program
 from ladder_ros.diagnostics import InternalError, LadderError, Location
 from ladder_ros.executable import Executable, Form, Later, Scan, Variant
 from ladder_ros.model.types import Value
+from ladder_ros.own_module import command
 from ladder_ros.runtime.planner import LocalPlanner, Transition
 from ladder_ros.runtime.preflight import Comparison
 from ladder_ros.runtime.quiet import Breathe, breathless
@@ -290,12 +287,9 @@ class CompilerProcess:
     def _running(self) -> Channel:
         if self._channel is None or self._process is None or self._process.poll() is not None:
             self._end()
-            root = str(Path(ladder_ros.__file__).parents[1])
-            paths = [root, *filter(None, [os.environ.get('PYTHONPATH')])]
             process = self._process = subprocess.Popen(
-                [sys.executable, '-m', 'ladder_ros.background.worker'], stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE, bufsize=0, start_new_session=True,  # no Ctrl-C for it
-                env={**os.environ, 'PYTHONPATH': os.pathsep.join(paths)})
+                command('ladder_ros.background.worker'), stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE, bufsize=0, start_new_session=True)  # no Ctrl-C for it
             assert process.stdin is not None and process.stdout is not None
             self._channel = Channel(process.stdout.fileno(), process.stdin.fileno())
         return self._channel
