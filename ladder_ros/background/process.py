@@ -150,7 +150,7 @@ class CompilerProcess:
     ) -> Sequence[Any]:
         """Return the ``components`` or ``rungs`` of a program, which stay packed there."""
         try:
-            with self._turn, self._bounded(timeout, program.source[1]) as listen:
+            with self._turn, self._bounded(timeout, program.file) as listen:
                 if self._asked(listen, (what, program.key), program):
                     return unpack_parts(listen, breathless)
         except (_Gone, OSError):
