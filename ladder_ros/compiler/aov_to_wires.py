@@ -10,7 +10,7 @@ not need gets a coil of its own.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.aov import Aov, reads_and_writes, SymbolVertex
@@ -156,17 +156,7 @@ class _Network:
                        if not isinstance(symbol.component, Contact)), None)
         if behind is None:
             return False
-        contacts = {s.id for s in self.aov.symbols if isinstance(s.component, Contact)}
-        passing = contacts.union(vertex.id for vertex in self.aov.virtuals)
-        waiting, seen = [behind], {behind}
-        while waiting:
-            taker = waiting.pop()
-            for arc in self.aov.arcs:
-                if arc.target == taker and arc.source not in seen:
-                    seen.add(arc.source)
-                    if arc.source in passing:
-                        waiting.append(arc.source)
-        return self.aov.symbols[place].id in seen
+        return self.aov.symbols[place].id in self.upstream(behind)
 
     # -- order ------------------------------------------------------------------------------
 
@@ -200,8 +190,12 @@ class _Network:
     def needed(self, symbol: int) -> Iterable[int]:
         """Yield the contacts that a statement needs, directly or through contacts."""
         contacts = {s.id for s in self.aov.symbols if isinstance(s.component, Contact)}
-        coils = {s.id for s in self.aov.symbols if isinstance(s.component, Coil)}
-        passes = {s.id for s in self.aov.symbols if isinstance(s.component, Instance)}
+        return (source for source in self.upstream(symbol) if source in contacts)
+
+    def upstream(self, symbol: int) -> Iterator[int]:
+        """Yield what gives power to a symbol, directly or through what only passes it on."""
+        passing = {s.id for s in self.aov.symbols
+                   if isinstance(s.component, (Contact, Coil, Instance))}
         waiting, seen = [symbol], {symbol}
         while waiting:
             taker = waiting.pop()
@@ -210,9 +204,8 @@ class _Network:
                     continue
                 source = arc.source
                 seen.add(source)
-                if source in contacts:
-                    yield source
-                if source in contacts | coils | passes or source >= len(self.aov.symbols):
+                yield source
+                if source in passing or source >= len(self.aov.symbols):
                     waiting.append(source)
 
     # -- power ------------------------------------------------------------------------------
