@@ -11,7 +11,7 @@ The expert's: a byte a variable, and operators without branches.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence, Set
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 import ctypes
 from pathlib import Path
 import re
@@ -155,89 +155,18 @@ def _outputs(plant: Plant) -> set[str]:
     return {spec.target for spec in plant.rungs[::10]}
 
 
-class CPeer:
-    """A plant compiled by gcc and loaded: ``inputs`` are written by :meth:`write`."""
+class Peer:
+    """A plant as a loaded library: its inputs are written, it scans, its variables are read."""
 
-    def __init__(self, plant: Plant, style: str, folder: Path, flags: str = '-O2') -> None:
-        """Generate, compile and load it."""
-        folder.mkdir(parents=True, exist_ok=True)
-        specs = list(_flat(plant))
-        outputs = [spec.target for spec in specs]
-        names = list(dict.fromkeys((*plant.inputs, *outputs)))
-        blocks = [(spec.kind.upper(), f'b_{spec.target}') for spec in specs
-                  if spec.kind in ('ton', 'ctu')]
-        by_expert = style == 'expert'
-        rung = _expert_rung if by_expert else _matiec_rung
-        located = set() if by_expert else set(plant.inputs) | _outputs(plant)
-        # One structure for all, in the order of the variables, as MatIEC has it.
-        fields = ''.join(
-            f'{"L" if name in located else "V"} {name};' for name in names) + ''.join(
-            f'{kind} {name};' for kind, name in blocks)
-        head = STYLES[style] + f'typedef struct {{ {fields} }} ALL;\nextern ALL all;\n'
-        (folder / 'all.h').write_text(head)
-        bodies = self._functions(specs, rung, located)
-        files = []
-        for number, start in enumerate(range(0, len(bodies), _FUNCTIONS)):
-            files.append(folder / f'part{number}.c')
-            files[-1].write_text('#include "all.h"\n' + '\n'.join(
-                f'void f{start + k}(void) {{ {body} }}'
-                for k, body in enumerate(bodies[start:start + _FUNCTIONS])))
-        files.append(folder / 'main.c')
-        value = '' if by_expert else '.value'
-        files[-1].write_text(
-            '#include "all.h"\nTIME now; ALL all;\n'
-            + ''.join(f'void f{k}(void);\n' for k in range(len(bodies)))
-            + 'void scan(TIME t) { now = t; '
-            + ''.join(f'f{k}();' for k in range(len(bodies))) + '}\n'
-            + f'static BOOL image[{len(names)}];\n'
-            + 'static BOOL *const places[] = {'
-            + ','.join(f'image + {place}' if name in located else f'&all.{name}{value}'
-                       for place, name in enumerate(names)) + '};\n'
-            + 'void begin(void) { '
-            + ''.join(f'all.{name}.value = image + {place};'
-                      for place, name in enumerate(names) if name in located) + '}\n'
-            + 'void put(int k, BOOL v) { *places[k] = v; }\n'
-            + 'BOOL get(int k) { return *places[k]; }\n')
-        library = folder / 'peer.so'
-        self.build(files, library, flags)
-        self.places = {name: place for place, name in enumerate(names)}
+    def __init__(self, library: Path, places: Mapping[str, int]) -> None:
+        """Load it; it knows a variable by its place."""
+        self.places = places
         loaded = ctypes.CDLL(str(library))
         loaded.scan.argtypes = [ctypes.c_int64]
         loaded.put.argtypes = [ctypes.c_int, ctypes.c_uint8]
         loaded.get.argtypes, loaded.get.restype = [ctypes.c_int], ctypes.c_uint8
         loaded.begin()
         self.scan, self._put, self._get = loaded.scan, loaded.put, loaded.get
-
-    @staticmethod
-    def _functions(
-        specs: Sequence[Spec], rung: Callable[[Spec], str], located: Set[str],
-    ) -> list[str]:
-        def access(found: re.Match[str]) -> str:
-            is_located = found.group(2) in located
-            return f'{found.group(1)}{"_LOCATED" if is_located else ""}({found.group(2)}'
-
-        lines = [_VARIABLE.sub(r'all.\1', _ACCESS.sub(access, rung(spec))) for spec in specs]
-        return ['\n'.join(lines[start:start + _RUNGS])
-                for start in range(0, len(lines), _RUNGS)]
-
-    @staticmethod
-    def build(files: Sequence[Path], library: Path, flags: str) -> None:
-        """Compile two files at a time, and link."""
-        gcc = shutil.which('gcc')
-        if gcc is None:
-            raise SystemExit('gcc is not installed: there is no peer to compare with')
-        running: list[subprocess.Popen[bytes]] = []
-        for file in files:
-            if len(running) >= 2 and running.pop(0).wait():
-                raise SystemExit(f'gcc failed on {file}')
-            running.append(subprocess.Popen(
-                [gcc, *flags.split(), '-w', '-fPIC', '-c', str(file),
-                 '-o', str(file.with_suffix('.o'))]))
-        if any(process.wait() for process in running):
-            raise SystemExit('gcc failed')
-        subprocess.run(
-            [gcc, '-shared', '-o', str(library), *(str(f.with_suffix('.o')) for f in files)],
-            check=True)
 
     def write(self, name: str, value: bool) -> None:
         """Set a variable."""
@@ -246,3 +175,79 @@ class CPeer:
     def read(self, name: str) -> bool:
         """Return a variable."""
         return bool(self._get(self.places[name]))
+
+
+def c_peer(plant: Plant, style: str, folder: Path, flags: str = '-O2') -> Peer:
+    """Generate, compile and load a plant in a style."""
+    folder.mkdir(parents=True, exist_ok=True)
+    specs = list(_flat(plant))
+    outputs = [spec.target for spec in specs]
+    names = list(dict.fromkeys((*plant.inputs, *outputs)))
+    blocks = [(spec.kind.upper(), f'b_{spec.target}') for spec in specs
+              if spec.kind in ('ton', 'ctu')]
+    by_expert = style == 'expert'
+    rung = _expert_rung if by_expert else _matiec_rung
+    located = set() if by_expert else set(plant.inputs) | _outputs(plant)
+    # One structure for all, in the order of the variables, as MatIEC has it.
+    fields = ''.join(
+        f'{"L" if name in located else "V"} {name};' for name in names) + ''.join(
+        f'{kind} {name};' for kind, name in blocks)
+    head = STYLES[style] + f'typedef struct {{ {fields} }} ALL;\nextern ALL all;\n'
+    (folder / 'all.h').write_text(head)
+    bodies = _functions(specs, rung, located)
+    files = []
+    for number, start in enumerate(range(0, len(bodies), _FUNCTIONS)):
+        files.append(folder / f'part{number}.c')
+        files[-1].write_text('#include "all.h"\n' + '\n'.join(
+            f'void f{start + k}(void) {{ {body} }}'
+            for k, body in enumerate(bodies[start:start + _FUNCTIONS])))
+    files.append(folder / 'main.c')
+    value = '' if by_expert else '.value'
+    files[-1].write_text(
+        '#include "all.h"\nTIME now; ALL all;\n'
+        + ''.join(f'void f{k}(void);\n' for k in range(len(bodies)))
+        + 'void scan(TIME t) { now = t; '
+        + ''.join(f'f{k}();' for k in range(len(bodies))) + '}\n'
+        + f'static BOOL image[{len(names)}];\n'
+        + 'static BOOL *const places[] = {'
+        + ','.join(f'image + {place}' if name in located else f'&all.{name}{value}'
+                   for place, name in enumerate(names)) + '};\n'
+        + 'void begin(void) { '
+        + ''.join(f'all.{name}.value = image + {place};'
+                  for place, name in enumerate(names) if name in located) + '}\n'
+        + 'void put(int k, BOOL v) { *places[k] = v; }\n'
+        + 'BOOL get(int k) { return *places[k]; }\n')
+    library = folder / 'peer.so'
+    _build(files, library, flags)
+    return Peer(library, {name: place for place, name in enumerate(names)})
+
+
+def _functions(
+    specs: Sequence[Spec], rung: Callable[[Spec], str], located: Set[str],
+) -> list[str]:
+    def access(found: re.Match[str]) -> str:
+        is_located = found.group(2) in located
+        return f'{found.group(1)}{"_LOCATED" if is_located else ""}({found.group(2)}'
+
+    lines = [_VARIABLE.sub(r'all.\1', _ACCESS.sub(access, rung(spec))) for spec in specs]
+    return ['\n'.join(lines[start:start + _RUNGS])
+            for start in range(0, len(lines), _RUNGS)]
+
+
+def _build(files: Sequence[Path], library: Path, flags: str) -> None:
+    """Compile two files at a time, and link."""
+    gcc = shutil.which('gcc')
+    if gcc is None:
+        raise SystemExit('gcc is not installed: there is no peer to compare with')
+    running: list[subprocess.Popen[bytes]] = []
+    for file in files:
+        if len(running) >= 2 and running.pop(0).wait():
+            raise SystemExit(f'gcc failed on {file}')
+        running.append(subprocess.Popen(
+            [gcc, *flags.split(), '-w', '-fPIC', '-c', str(file),
+             '-o', str(file.with_suffix('.o'))]))
+    if any(process.wait() for process in running):
+        raise SystemExit('gcc failed')
+    subprocess.run(
+        [gcc, '-shared', '-o', str(library), *(str(f.with_suffix('.o')) for f in files)],
+        check=True)

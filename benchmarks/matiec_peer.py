@@ -9,12 +9,12 @@ Beremiz; ``iec2c`` makes C of it and gcc a library.
 from __future__ import annotations
 
 from collections.abc import Iterator
-import ctypes
 from dataclasses import replace
 from pathlib import Path
 import shutil
 import subprocess
 
+from c_peer import Peer
 from support.plants import Plant, program_of
 
 from ladder_ros.compiler.program_to_st import write_st
@@ -48,40 +48,24 @@ def iec2c() -> str | None:
     return shutil.which('iec2c')
 
 
-class MatiecPeer:
-    """A plant compiled by MatIEC and gcc, and loaded; it is used as a ``CPeer`` is."""
-
-    def __init__(self, plant: Plant, library: Path, folder: Path) -> None:
-        """Generate, compile and load it; ``library`` is MatIEC's folder ``lib``."""
-        compiler, gcc = iec2c(), shutil.which('gcc')
-        if compiler is None or gcc is None:
-            raise SystemExit('iec2c and gcc have to be on the PATH')
-        if not (library / 'C' / 'iec_std_lib.h').is_file():
-            raise SystemExit(f'{library} is not the folder lib of MatIEC: no C/iec_std_lib.h')
-        folder.mkdir(parents=True, exist_ok=True)
-        program = _located(program_of(plant))
-        (folder / 'plant.st').write_text(write_st(program))
-        _run([compiler, '-I', str(library), '-T', str(folder), str(folder / 'plant.st')], folder)
-        (folder / 'driver.c').write_text(_driver(program))
-        peer = folder / 'peer.so'
-        _run([gcc, '-O2', '-w', '-fPIC', '-shared', '-I', str(library / 'C'), '-I', str(folder),
-              '-o', str(peer), *(str(folder / name) for name in (
-                  'driver.c', 'config.c', 'resource1.c'))], folder)
-        self.places = {variable.name: place for place, variable in enumerate(program.variables)}
-        loaded = ctypes.CDLL(str(peer))
-        loaded.scan.argtypes = [ctypes.c_int64]
-        loaded.put.argtypes = [ctypes.c_int, ctypes.c_uint8]
-        loaded.get.argtypes, loaded.get.restype = [ctypes.c_int], ctypes.c_uint8
-        loaded.begin()
-        self.scan, self._put, self._get = loaded.scan, loaded.put, loaded.get
-
-    def write(self, name: str, value: bool) -> None:
-        """Set a variable."""
-        self._put(self.places[name], value)
-
-    def read(self, name: str) -> bool:
-        """Return a variable."""
-        return bool(self._get(self.places[name]))
+def matiec_peer(plant: Plant, library: Path, folder: Path) -> Peer:
+    """Have a plant compiled by MatIEC and gcc, and load it; ``library`` is MatIEC's ``lib``."""
+    compiler, gcc = iec2c(), shutil.which('gcc')
+    if compiler is None or gcc is None:
+        raise SystemExit('iec2c and gcc have to be on the PATH')
+    if not (library / 'C' / 'iec_std_lib.h').is_file():
+        raise SystemExit(f'{library} is not the folder lib of MatIEC: no C/iec_std_lib.h')
+    folder.mkdir(parents=True, exist_ok=True)
+    program = _located(program_of(plant))
+    (folder / 'plant.st').write_text(write_st(program))
+    _run([compiler, '-I', str(library), '-T', str(folder), str(folder / 'plant.st')], folder)
+    (folder / 'driver.c').write_text(_driver(program))
+    peer = folder / 'peer.so'
+    _run([gcc, '-O2', '-w', '-fPIC', '-shared', '-I', str(library / 'C'), '-I', str(folder),
+          '-o', str(peer), *(str(folder / name) for name in (
+              'driver.c', 'config.c', 'resource1.c'))], folder)
+    return Peer(
+        peer, {variable.name: place for place, variable in enumerate(program.variables)})
 
 
 def _located(program: Program) -> Program:

@@ -36,7 +36,7 @@ import time
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / 'test'), str(ROOT)]
 
-from c_peer import CPeer  # noqa: E402
+from c_peer import c_peer  # noqa: E402
 from support.plants import flat_plant, program_of  # noqa: E402
 
 from ladder_ros.compiler.pipeline import compile_program  # noqa: E402
@@ -101,7 +101,7 @@ def cost_of(backend: str, rungs: int) -> Cost:
     if backend == PEER:
         with tempfile.TemporaryDirectory() as folder:
             began = time.perf_counter()
-            peer = CPeer(plant, 'matiec', Path(folder))
+            peer = c_peer(plant, 'matiec', Path(folder))
             ready = time.perf_counter() - began
             return Cost(backend=backend, rungs=rungs, ready_s=ready, scan_ns_per_rung=scan_time(
                 peer.scan, rungs, tuple(plant.inputs), peer.write))

@@ -35,8 +35,8 @@ import time
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / 'test'), str(ROOT)]
 
-from c_peer import CPeer, STYLES  # noqa: E402
-from matiec_peer import iec2c, MatiecPeer  # noqa: E402
+from c_peer import c_peer, Peer, STYLES  # noqa: E402
+from matiec_peer import iec2c, matiec_peer  # noqa: E402
 from support.plants import flat_plant, Plant, program_of, station_plant  # noqa: E402
 
 from ladder_ros.compiler import il_to_groups  # noqa: E402
@@ -102,12 +102,12 @@ class Contest:
         for name, scan in (('native', self.executable.build(Variant())),
                            ('all', everything(compiled))):
             self._add(name, next(iter(scan.values())))
-        self.peers: dict[str, CPeer | MatiecPeer] = {}
+        self.peers: dict[str, Peer] = {}
         if shutil.which('gcc'):
             for style in STYLES:
-                self.peers[style] = CPeer(plant, style, folder / style)
+                self.peers[style] = c_peer(plant, style, folder / style)
             if matiec is not None and len(plant.rungs) <= MATIEC_RUNGS:
-                self.peers['iec2c'] = MatiecPeer(plant, matiec, folder / 'iec2c')
+                self.peers['iec2c'] = matiec_peer(plant, matiec, folder / 'iec2c')
         self.runners.update({style: peer.scan for style, peer in self.peers.items()})
         if plant.stations:
             with one_by_one():
