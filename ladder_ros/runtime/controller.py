@@ -453,14 +453,13 @@ class Controller:
 
     def _scan_until_stopped(self) -> None:
         # A call costs more than it seems: after a sleep nothing is in the caches.
-        clock, turns, programs = self._clock, self._turns, self._programs
+        clock, turns = self._clock, self._turns
         deadline = self._due = clock.now()
         running = True
         while running and not self._stopping:
             if turns.errands:
                 turns.run_errands()
-            interval = self._interval or (
-                programs.cycle.interval if programs.cycle else 0) or DEFAULT_INTERVAL
+            interval = self.interval
             ahead = deadline - clock.now()
             if ahead > 0:
                 if ahead > interval:  # the clock was set back, or the interval shortened
