@@ -66,7 +66,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     'cli': DOORS | {'ros.bag'},
     'ros': DOORS,
     'studio': DOORS,
-    'demo': {'resources'},
+    'demo': {'resources', 'own_module'},
 }
 
 # Libraries that are not Python's own, and the only places that may import them.

@@ -24,6 +24,7 @@ import time
 from typing import Any, IO
 
 from ladder_ros.demo.elevators import EIGHT, ELEVATORS
+from ladder_ros.own_module import command
 from ladder_ros.resources import find_resource
 
 READY_SECONDS = 40.0
@@ -93,7 +94,7 @@ def start(name: str, module: str, *args: str, log: Path | None) -> Child:
 
     out: IO[bytes] | None = None if log is None else log.open('wb')
     process = subprocess.Popen(
-        [sys.executable, '-m', module, *args], stdin=subprocess.DEVNULL, stdout=out,
+        [*command(module), *args], stdin=subprocess.DEVNULL, stdout=out,
         stderr=None if out is None else subprocess.STDOUT, env={**os.environ},
         start_new_session=True,  # Ctrl-C comes to us alone, and we stop the others in order
         preexec_fn=die_with_parent)
