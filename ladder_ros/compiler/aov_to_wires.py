@@ -31,7 +31,7 @@ from ladder_ros.model.component import (
     OutVariable,
     Placement,
 )
-from ladder_ros.model.program import Composite, Port, Rung, Wire
+from ladder_ros.model.program import Composite, composite_key, Port, Rung, Wire
 from ladder_ros.model.types import DataType, default_value
 
 _COLUMN, _ROW, _LEFT = 170, 50, 70
@@ -408,7 +408,7 @@ class _Network:
             (Port(component=number, pin='ENO'),), self.maker.names.temporary(DataType.BOOL))
 
     def composite(self, component: Instance) -> Composite:
-        scope = self.maker.names.scopes[f'composite {component.composite.casefold()}']
+        scope = self.maker.names.scopes[composite_key(component.composite)]
         return self.maker.names.definitions[scope.pou.casefold()]
 
     def copy(self, operand: Operand) -> Ref:

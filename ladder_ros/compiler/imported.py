@@ -8,10 +8,10 @@ from collections.abc import Iterator, Mapping, Sequence, ValuesView
 from dataclasses import fields, is_dataclass
 
 from ladder_ros.compiler.lowering import Lowering
-from ladder_ros.compiler.symbols import pou_key, Symbols
+from ladder_ros.compiler.symbols import Symbols
 from ladder_ros.diagnostics import Diagnostic, Location, problem
 from ladder_ros.model.component import Block, Instance
-from ladder_ros.model.program import Composite, Pou, Program
+from ladder_ros.model.program import Composite, Pou, pou_key, Program
 from ladder_ros.model.st import CallExpression, CallStatement
 
 

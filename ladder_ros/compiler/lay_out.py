@@ -11,7 +11,7 @@ from ladder_ros.compiler.access_keys import storage_key
 from ladder_ros.compiler.history import earlier_paths
 from ladder_ros.compiler.il import active_flag, Instruction, InstructionList, Op
 from ladder_ros.compiler.stub_blocks import STUB
-from ladder_ros.compiler.symbols import Element, pou_key, Ref, Scope, Symbols
+from ladder_ros.compiler.symbols import Element, Ref, Scope, Symbols
 from ladder_ros.executable import ARITHMETIC_ERRORS, Slot, SlotClass
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.derived import leaves
@@ -20,6 +20,7 @@ from ladder_ros.model.program import (
     Composite,
     Direction,
     Parameter,
+    pou_key,
     Program,
     Variable,
     VariableClass,

@@ -25,7 +25,6 @@ from ladder_ros.compiler.symbols import (
     is_address,
     Literal,
     Operand,
-    pou_key,
     Ref,
     substitute,
     Target,
@@ -35,7 +34,7 @@ from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import ComponentEntry, Slot
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import Component, Instance
-from ladder_ros.model.program import Composite, Program
+from ladder_ros.model.program import Composite, composite_key, is_body_key, pou_key, Program
 from ladder_ros.model.types import DataType
 from ladder_ros.nouns import maker
 
@@ -66,7 +65,7 @@ def link_code(program: Program, code: Code, earlier: Linked | None = None) -> Li
         pending = [_Frame(name=body.name, key=pou_key(body), path=body.name)]
         while pending:
             frame = pending.pop()
-            is_body = frame.key.startswith('body ')
+            is_body = is_body_key(frame.key)
             known = _known(frame, earlier.made.get((is_body, frame.name)) if earlier else None)
             networks = tuple([
                 known.get(id(network)) or _place(network, frame) for network in code[frame.key]])
@@ -216,7 +215,7 @@ class _Drawn:
         instance, inner, rest = path.split('/', 2)
         outer = known[instance]
         assert isinstance(outer, Instance)
-        return self.component(f'composite {outer.composite.casefold()}', inner, rest)
+        return self.component(composite_key(outer.composite), inner, rest)
 
 
 def list_components(
@@ -236,7 +235,7 @@ def list_components(
             for instruction in network.code:
                 if instruction.op in (Op.EXE, Op.RUN) and instruction.call is not None:
                     inner = (False, instruction.call.instance)
-                    key_of[inner] = f'composite {instruction.call.name.casefold()}'
+                    key_of[inner] = composite_key(instruction.call.name)
                     start_of[inner] = f'{instruction.component or instruction.call.instance}/'
                 if not instruction.component:
                     continue

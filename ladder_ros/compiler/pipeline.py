@@ -50,7 +50,7 @@ from ladder_ros.compiler.python_code import Emitted
 from ladder_ros.compiler.rung_code import code_rung
 from ladder_ros.compiler.st_to_il import lower_statements
 from ladder_ros.compiler.stub_blocks import stub_unknown_blocks
-from ladder_ros.compiler.symbols import pou_key, Symbols
+from ladder_ros.compiler.symbols import Symbols
 from ladder_ros.compiler.tree import Forest
 from ladder_ros.compiler.tree_to_il import lower_to_il
 from ladder_ros.compiler.unchanged import Before
@@ -72,7 +72,7 @@ from ladder_ros.executable import (
 )
 from ladder_ros.garbage import collected_later
 from ladder_ros.model.component import Instance
-from ladder_ros.model.program import Body, CallKind, Pou, Program, Rung, RunKind
+from ladder_ros.model.program import Body, CallKind, Pou, pou_key, Program, Rung, RunKind
 
 _NOTHING: Mapping[int, Rung] = {}
 _T = TypeVar('_T')

@@ -18,7 +18,7 @@ from ladder_ros.compiler.imported import needed_pous
 from ladder_ros.compiler.pipeline import analyse, build_trees, completed, lower, Stages
 from ladder_ros.compiler.st_names import Identifiers, interface, literal, Names, user_names
 from ladder_ros.compiler.st_to_iec import instruction_lines
-from ladder_ros.compiler.symbols import Operand, pou_key, Ref
+from ladder_ros.compiler.symbols import Operand, Ref
 from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.derived import (
@@ -34,7 +34,10 @@ from ladder_ros.model.program import (
     CallKind,
     Composite,
     Direction,
+    is_body_key,
+    name_of_key,
     Parameter,
+    pou_key,
     Program,
     RunKind,
     Variable,
@@ -477,7 +480,7 @@ def aliased_composites(
             name = call.name.casefold()
             roots = [_root(operand) for _, operand in call.inputs]
             roots = [root for root in roots if root]
-            outer = key.removeprefix('composite ') if key.startswith('composite ') else ''
+            outer = '' if is_body_key(key) else name_of_key(key)
             shared = {n.casefold() for n in composites[name].externals}
             is_aliased = (len(set(roots)) < len(roots) or outer in found
                           or not shared.isdisjoint(roots)

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field, replace
 from ladder_ros.model.catalogue import BlockKind
 from ladder_ros.model.derived import Type
 from ladder_ros.model.program import Composite
-from ladder_ros.model.program import pou_key as pou_key
 from ladder_ros.model.types import DataType, format_literal, Value
 from ladder_ros.nouns import maker
 

@@ -13,10 +13,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
-from ladder_ros.compiler.symbols import pou_key, Scope, Symbols
+from ladder_ros.compiler.symbols import Scope, Symbols
 from ladder_ros.diagnostics import Location
 from ladder_ros.model.component import Argument, Block, Coil, Contact, Instance
-from ladder_ros.model.program import Composite, Parameter, Program, Rung, Variable
+from ladder_ros.model.program import Composite, Parameter, pou_key, Program, Rung, Variable
 
 _Declared = TypeVar('_Declared', Parameter, Variable)
 

@@ -19,7 +19,6 @@ from ladder_ros.compiler.access_keys import access_key
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
 from ladder_ros.compiler.resolve_rung import suggestion
-from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError
@@ -60,7 +59,7 @@ from ladder_ros.model.component import (
     Instance,
     Row,
 )
-from ladder_ros.model.program import Body, CallKind, Composite, Pou, Program, Rung
+from ladder_ros.model.program import Body, CallKind, Composite, Pou, pou_key, Program, Rung
 
 COLUMNS = 11
 """How wide a rung may become (paper 3: eleven columns, the last one for outputs and blocks)."""

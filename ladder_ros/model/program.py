@@ -253,6 +253,24 @@ Pou = Body | Composite
 """A program organisation unit: a program body or a composite's definition."""
 
 
+_BODY, _COMPOSITE = 'body ', 'composite '
+
+
 def pou_key(pou: Pou) -> str:
     """Return the key of a POU among all of a program: a body and a composite may share a name."""
-    return f'{"body" if isinstance(pou, Body) else "composite"} {pou.name.casefold()}'
+    return _BODY + pou.name.casefold() if isinstance(pou, Body) else composite_key(pou.name)
+
+
+def composite_key(name: str) -> str:
+    """Return the key of the composite of a name."""
+    return _COMPOSITE + name.casefold()
+
+
+def is_body_key(key: str) -> bool:
+    """Say whether a key is that of a body."""
+    return key.startswith(_BODY)
+
+
+def name_of_key(key: str) -> str:
+    """Return the casefolded name of the POU of a key."""
+    return key.partition(' ')[2]

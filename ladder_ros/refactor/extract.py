@@ -13,7 +13,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ladder_ros.compiler.aov import Aov
-from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.component import (
@@ -32,6 +31,7 @@ from ladder_ros.model.program import (
     Composite,
     Parameter,
     Pou,
+    pou_key,
     Program,
     Rung,
     Variable,

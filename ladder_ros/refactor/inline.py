@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 
 from ladder_ros.compiler.aov import Aov, SymbolVertex
 from ladder_ros.compiler.inline_composites import expand_inline
-from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.coordinates.drawable import with_drawable_components
 from ladder_ros.diagnostics import LadderError
@@ -34,6 +33,7 @@ from ladder_ros.model.program import (
     CallKind,
     Composite,
     Pou,
+    pou_key,
     Program,
     Rung,
     Variable,

@@ -25,7 +25,7 @@ from ladder_ros.compiler.aov import Aov, SymbolVertex
 from ladder_ros.compiler.aov_to_tree import reduce_to_tree
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
-from ladder_ros.compiler.symbols import Operand, pou_key, Symbols
+from ladder_ros.compiler.symbols import Operand, Symbols
 from ladder_ros.compiler.tree import (
     And,
     children,
@@ -42,7 +42,7 @@ from ladder_ros.compiler.tree import (
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.model.component import Argument, Block, Coil, Component, Contact, Instance
-from ladder_ros.model.program import CallKind, Composite, Pou, Program, Rung
+from ladder_ros.model.program import CallKind, Composite, Pou, pou_key, Program, Rung
 from ladder_ros.model.types import DataType
 from ladder_ros.refactor.places import base, Directions, directions, is_literal, Place, places
 

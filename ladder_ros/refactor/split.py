@@ -9,7 +9,6 @@ from dataclasses import replace
 
 from ladder_ros.compiler.accesses import access_histories
 from ladder_ros.compiler.aov import Aov, SymbolVertex
-from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.compiler.tree import Leaf
 from ladder_ros.compiler.wiring import Rail
 from ladder_ros.coordinates.aov_to_rung import draw_rung
@@ -24,7 +23,7 @@ from ladder_ros.model.component import (
     Placement,
     Row,
 )
-from ladder_ros.model.program import Body, Pou, Program, Rung
+from ladder_ros.model.program import Body, Pou, pou_key, Program, Rung
 from ladder_ros.refactor.extract import with_pou
 from ladder_ros.refactor.naming import unique
 from ladder_ros.refactor.parts import numbered
