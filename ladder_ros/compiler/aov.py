@@ -15,9 +15,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.il import Instruction
-from ladder_ros.compiler.symbols import Operand, Ref, Resolved
+from ladder_ros.compiler.symbols import is_temporary, Operand, Ref, Resolved
 from ladder_ros.compiler.wiring import describe, Rail
 from ladder_ros.model.component import Block, Coil, Component, Contact, Instance, Jump
+
+NOT = '%NOT'
+"""Type of a block that negates power at a pin of another one (imported drawings)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,7 +71,7 @@ def describe_symbol(symbol: SymbolVertex) -> str:
 def operand_text(symbol: SymbolVertex) -> str:
     """Return a contact's or coil's operand in this POU; an expression as it was written."""
     text = str(symbol.resolved.operand)
-    if text.startswith('%T') and isinstance(symbol.component, (Contact, Coil)):
+    if is_temporary(text) and isinstance(symbol.component, (Contact, Coil)):
         return symbol.component.operand
     return text
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.aov import Aov, reads_and_writes, SymbolVertex
 from ladder_ros.compiler.st_names import interface, literal, Names, SURE
-from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
+from ladder_ros.compiler.symbols import Element, is_data_slot, Literal, Operand, Ref, Target
 from ladder_ros.compiler.wiring import Rail
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.catalogue import CATALOGUE
@@ -129,7 +129,6 @@ class _Network:
     aov: Aov
     ports: dict[int, tuple[Port, ...]] = field(default_factory=dict)
     """What gives the power that leaves a symbol by its main output."""
-    instead: dict[int, Port] = field(default_factory=dict)
     column: dict[str, int] = field(default_factory=dict)
     pending: dict[str, Contact] = field(default_factory=dict)
     """Contacts that nothing has needed yet, by id."""
@@ -309,13 +308,13 @@ class _Network:
         self.ports[symbol.id] = (Port(component=number, pin=kind.power_output),)
         if kind.is_function and enabled != (Port(),) and kind.name not in SURE:
             self.zero_on_error(number, enabled, symbol.resolved.outputs)
-        return any('%data' not in str(operand) for _, operand in symbol.resolved.outputs)
+        return any(not is_data_slot(target) for _, target in symbol.resolved.outputs)
 
-    def guarded_outputs(self, number: str, bound: Sequence[tuple[str, Operand]]) -> None:
+    def guarded_outputs(self, number: str, bound: Sequence[tuple[str, Target]]) -> None:
         """Take a function block's outputs where it was called: an outVariable always writes."""
         for pin, target in bound:
             source = Port(component=number, pin=pin)
-            if '%data' in str(target):
+            if is_data_slot(target):
                 self.maker.data[str(target).casefold()] = source
                 continue
             done = (Port(component=number, pin='ENO'),)
@@ -327,11 +326,11 @@ class _Network:
             self.outputs(move, place, [('OUT', target)])
 
     def zero_on_error(
-        self, number: str, enabled: tuple[Port, ...], outputs: Sequence[tuple[str, Operand]],
+        self, number: str, enabled: tuple[Port, ...], outputs: Sequence[tuple[str, Target]],
     ) -> None:
         """Write what an arithmetic error gives, zero: ENO keeps the result from being assigned."""
         targets = [target for pin, target in outputs
-                   if pin == 'OUT' and '%data' not in str(target)]
+                   if pin == 'OUT' and not is_data_slot(target)]
         if not targets:
             return
         power, fine = (self.maker.names.temporary(DataType.BOOL) for _ in range(2))
@@ -369,15 +368,15 @@ class _Network:
             self.connect([source], Port(component=number, pin=pin))
 
     def outputs(
-        self, number: str, place: Placement, bound: Sequence[tuple[str, Operand]],
+        self, number: str, place: Placement, bound: Sequence[tuple[str, Target]],
     ) -> None:
-        for index, (pin, operand) in enumerate(bound):
+        for index, (pin, target) in enumerate(bound):
             source = Port(component=number, pin=pin)
-            if isinstance(operand, Ref) and '%data' in operand.path:
-                self.maker.data[operand.path.casefold()] = source
+            if is_data_slot(target):
+                self.maker.data[str(target).casefold()] = source
                 continue
             variable = OutVariable(
-                id=self.maker.new_id(), operand=self.maker.text(operand),
+                id=self.maker.new_id(), operand=self.maker.text(target),
                 placement=Placement(x=place.x + place.width + 30,
                                     y=place.y + 30 + _PIN * index, width=60, height=15))
             self.put(variable)

@@ -23,6 +23,7 @@ from ladder_ros.compiler.il import (
 from ladder_ros.compiler.symbols import (
     Element,
     is_address,
+    is_temporary,
     Literal,
     Operand,
     Ref,
@@ -136,7 +137,7 @@ def _place(network: Network, frame: _Frame) -> Network:
             return replace(old, first=ref(old.first), index=index)
         if isinstance(old, Literal) or (is_plain and not old.path.startswith('%')):
             return old
-        if old.path.startswith('%T'):
+        if is_temporary(old.path):
             return old
         if belongs_to_body(old.path) and not frame.prefix:
             # Bodies share the program's names, but not what the compiler adds for their rungs.
@@ -250,7 +251,7 @@ def _slots_of(instruction: Instruction, slots: Mapping[str, Slot]) -> Iterator[i
     for operand in (instruction.operand, instruction.memory):
         if isinstance(operand, Element):
             operand = operand.first
-        if isinstance(operand, Ref) and not operand.path.startswith('%T'):
+        if isinstance(operand, Ref) and not is_temporary(operand.path):
             yield slots[operand.path.casefold()].index
     call = instruction.call
     if call is not None and call.instance and instruction.op is Op.CAL:
@@ -258,5 +259,5 @@ def _slots_of(instruction: Instruction, slots: Mapping[str, Slot]) -> Iterator[i
             yield slots[f'{call.instance}.{pin.name}'.casefold()].index
     if call is not None:
         for _, bound in (*call.inputs, *call.outputs):
-            if isinstance(bound, Ref) and not bound.path.startswith('%T'):
+            if isinstance(bound, Ref) and not is_temporary(bound.path):
                 yield slots[bound.path.casefold()].index

@@ -193,8 +193,7 @@ class _Resolver:
         fixed = ''
         if parameter.direction is Direction.INPUT and not self.imported:
             fixed = 'it is an input parameter; make it inout if the composite must write it'
-        return _symbol(
-            name=parameter.name, type=parameter.type, is_parameter=True, why_fixed=fixed)
+        return _symbol(name=parameter.name, type=parameter.type, why_fixed=fixed)
 
     def _composite_scope(self, composite: Composite) -> Scope:
         taken: dict[str, Location] = {}

@@ -19,7 +19,7 @@ from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.resolve_rung import suggestion
 from ladder_ros.compiler.st_places import Place, shown, Wrong
 from ladder_ros.compiler.st_values import Number, Value
-from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target
+from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target, TRUE
 from ladder_ros.diagnostics import Location
 from ladder_ros.model.catalogue import BASIC_NAMES, BlockKind, CATALOGUE, Pin
 from ladder_ros.model.derived import elementary, leaves, Type
@@ -250,7 +250,7 @@ def run(
             emitter.lowering.report('L0210', location, owner=composite.name, pin=parameter.name,
                                     type=type_name(parameter.type))
             raise Wrong
-    power = enabled or Literal(value=True, type=DataType.BOOL)
+    power = enabled or TRUE
     emitter.emit(Op.LD, power)
     emitter.code.append(Instruction(op=Op.RUN, call=Call(
         name=composite.name, instance=instance, inputs=tuple(bindings))))

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 import re
 
-from ladder_ros.compiler.symbols import is_address, Ref, Scope
+from ladder_ros.compiler.symbols import is_address, is_temporary, Ref, Scope
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import Block, Instance
 from ladder_ros.model.derived import leaves
@@ -181,7 +181,7 @@ class Names:
             self.used.add(head[0].casefold())
             return self.identifiers.own(head[0]) + path[head.end():]
         key = self._key(path)
-        if path.startswith('%T'):
+        if is_temporary(path):
             key = f'{path}:{ref.type}'  # temporaries of several rungs share their numbers
         if key not in self._paths:
             self._paths[key] = self._new(path)

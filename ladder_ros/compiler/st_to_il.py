@@ -19,9 +19,9 @@ from ladder_ros.compiler.il import Call, Instruction, Op
 from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.resolve_rung import suggestion
 from ladder_ros.compiler.st_calls import copy_aggregate, copy_bool, copy_out, run
-from ladder_ros.compiler.st_expressions import ExpressionEmitter, TRUE
+from ladder_ros.compiler.st_expressions import ExpressionEmitter
 from ladder_ros.compiler.st_places import Place, shown, Wrong
-from ladder_ros.compiler.symbols import Literal, Operand, Ref, Target
+from ladder_ros.compiler.symbols import FALSE, Literal, Operand, Ref, Target, TRUE
 from ladder_ros.diagnostics import Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.program import CallKind, Composite
@@ -49,8 +49,6 @@ from ladder_ros.model.types import DataType, INTEGER_RANGE
 
 MAX_LOOPS = 15
 """Deepest nesting of loops; Python has room for 20."""
-
-FALSE = Literal(value=False, type=DataType.BOOL)
 
 
 def lower_statements(

@@ -12,7 +12,7 @@ from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.resolve_rung import literal_type, suggestion
 from ladder_ros.compiler.st_calls import fresh_start, report_no_pin
 from ladder_ros.compiler.st_expressions import convert, lower_expression, lower_target, type_of
-from ladder_ros.compiler.symbols import data_slot, Literal, Operand, Ref, Resolved, Target
+from ladder_ros.compiler.symbols import data_slot, Literal, Operand, Ref, Resolved, Target, TRUE
 from ladder_ros.compiler.wires_to_order import Connections
 from ladder_ros.diagnostics import Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE, Generic
@@ -29,8 +29,6 @@ from ladder_ros.model.derived import elementary
 from ladder_ros.model.program import CallKind, Composite, Direction, Parameter, Port, Rung
 from ladder_ros.model.st import Expression, LiteralExpression, VariableExpression
 from ladder_ros.model.types import DataType, default_value
-
-TRUE = Literal(value=True, type=DataType.BOOL)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

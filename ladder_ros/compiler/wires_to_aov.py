@@ -13,7 +13,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
-from ladder_ros.compiler.aov import Aov, Arc, SymbolVertex, VirtualVertex
+from ladder_ros.compiler.aov import Aov, Arc, NOT, SymbolVertex, VirtualVertex
 from ladder_ros.compiler.il import Instruction
 from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.resolve_rung import suggestion
@@ -39,9 +39,6 @@ from ladder_ros.model.component import (
 )
 from ladder_ros.model.program import Port, Rung
 from ladder_ros.model.types import DataType
-
-NOT = '%NOT'
-"""Type of the vertex that negates power at a pin."""
 
 
 def build_wired_aovs(rung: Rung, lowering: Lowering) -> tuple[Aov, ...]:
