@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
+from ladder_ros.compiler.access_keys import by_path
 from ladder_ros.compiler.aov import Aov, reads_and_writes, SymbolVertex
 from ladder_ros.compiler.st_names import interface, literal, Names, SURE
 from ladder_ros.compiler.symbols import Element, is_data_slot, Literal, Operand, Ref, Target
@@ -174,11 +175,11 @@ class _Network:
         for place, symbol in enumerate(symbols):
             if not isinstance(symbol.component, Contact) or symbol.id not in need:
                 continue
-            read = {_root(o) for o in reads_and_writes(symbol)[0]}
+            read = _names(reads_and_writes(symbol)[0])
             for between in symbols[place + 1:need[symbol.id]]:
                 if isinstance(between.component, Contact):
                     continue
-                written = {_root(o) for o in reads_and_writes(between)[1]}
+                written = _names(reads_and_writes(between)[1])
                 if between.instance:
                     written.add(between.instance.casefold())
                 hits = any(r == w or r.startswith(f'{w}.') for r in read for w in written)
@@ -428,6 +429,5 @@ class _Network:
 RAIL_END = 25
 
 
-def _root(operand: Operand) -> str:
-    first = operand.first if isinstance(operand, Element) else operand
-    return first.path.casefold().partition('[')[0] if isinstance(first, Ref) else ''
+def _names(operands: Iterable[Operand]) -> set[str]:
+    return {name for operand in operands if (name := by_path(operand)) is not None}

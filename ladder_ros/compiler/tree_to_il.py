@@ -290,11 +290,10 @@ def _transfer_instructions(
     kind = CATALOGUE[symbol.resolved.block or component.type.upper()]
     bound: dict[str, Operand] = dict(symbol.resolved.inputs)
     bound.update((pin, temporary(number)) for pin, number in power_pins)
-    known = [pin.name for pin in kind.inputs]
-    inputs = tuple((pin, bound[pin]) for pin in sorted(
-        bound, key=lambda pin: known.index(pin) if pin in known else _further(pin)))
+    inputs = tuple((pin, bound[pin]) for pin in sorted(bound, key=kind.input_rank))
     call = _new_call(name=kind.name, instance=symbol.instance, type=symbol.resolved.type,
                 inputs=inputs, outputs=symbol.resolved.outputs)
+    known = {pin.name for pin in kind.inputs}
     kept = [pin for pin in power_pins if pin[0] in known] if symbol.keeps_inputs else []
     return [*_copies(symbol, kept), _instruction(
         op=Op.FUN if kind.is_function else Op.CAL, call=call, component=symbol.path)]
@@ -314,9 +313,3 @@ def _execute(symbol: SymbolVertex) -> list[Instruction]:
     return [_instruction(op=Op.ST, operand=power), _instruction(op=Op.IF), *symbol.body,
             _instruction(op=Op.FI),
             _instruction(op=Op.LD, operand=power, component=symbol.path)]
-
-
-def _further(pin: str) -> int:
-    """Rank the further inputs of an extensible function (IN3, IN4, ...) behind the others."""
-    digits = ''.join(character for character in pin if character.isdigit())
-    return 1000 + int(digits or 0)

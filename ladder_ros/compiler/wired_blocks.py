@@ -415,7 +415,7 @@ class WiredBlocks:
             if value is not None:
                 inputs[pin.name] = value
         self._complete(block, callee, kind, inputs, {pin for pin, _ in powered})
-        ordered = sorted(inputs.items(), key=lambda item: _pin_rank(kind, item[0]))
+        ordered = sorted(inputs.items(), key=lambda item: kind.input_rank(item[0]))
         prelude += self._stores(callee, inputs, {pin for pin, _ in powered})
         return WiredCall(
             resolved=Resolved(inputs=tuple(ordered), type=generic, block=kind.name,
@@ -537,13 +537,3 @@ _WIDTHS: Mapping[DataType, int] = {type_: rank for rank, type_ in enumerate(Data
 
 def _width(type_: DataType) -> int:
     return _WIDTHS[type_]
-
-
-def _pin_rank(kind: BlockKind, name: str) -> tuple[int, int, str]:
-    """Order inputs as the catalogue has them; further ones (IN3, IN4 ...) by their number."""
-    names = [pin.name for pin in kind.inputs]
-    if name in names:
-        return names.index(name), 0, name
-    digits = ''.join(c for c in name if c.isdigit())
-    return len(names), int(digits or 0), name
-
