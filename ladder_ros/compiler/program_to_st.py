@@ -16,9 +16,9 @@ from ladder_ros.compiler.access_keys import by_path
 from ladder_ros.compiler.il import Network, Op
 from ladder_ros.compiler.il_to_st import comment_line, StEmitter
 from ladder_ros.compiler.imported import needed_pous
-from ladder_ros.compiler.pipeline import analyse, build_trees, completed, lower, Stages
 from ladder_ros.compiler.st_names import Identifiers, interface, literal, Names, user_names
 from ladder_ros.compiler.st_to_iec import instruction_lines
+from ladder_ros.compiler.stages import analyse, build_trees, completed, lower, Stages
 from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.derived import (

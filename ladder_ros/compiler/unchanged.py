@@ -13,6 +13,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
+from ladder_ros.compiler.aov import Aov
+from ladder_ros.compiler.il import Network
 from ladder_ros.compiler.symbols import Scope, Symbols
 from ladder_ros.diagnostics import Location
 from ladder_ros.model.component import Argument, Block, Coil, Contact, Instance
@@ -23,19 +25,37 @@ _Declared = TypeVar('_Declared', Parameter, Variable)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Before:
-    """An earlier program, and what its names meant.
+    """An earlier program, what its names meant, and what was made of its rungs.
 
-    ``moved`` are rungs of it that stand elsewhere in the next program's file, by ``id`` of what
-    has taken their place there and differs in locations alone.
+    ``graphs`` and ``coded`` are by POU key, a rung each; about the drawings of the rungs that are
+    ``noted``, by ``id``, something was said.  ``moved`` are rungs of it that stand elsewhere in
+    the next program's file, by ``id`` of what has taken their place there and differs in locations
+    alone.
     """
 
     program: Program
     symbols: Symbols
+    graphs: Mapping[str, Sequence[Aov]]
+    coded: Mapping[str, Sequence[Network]]
+    noted: frozenset[int] = frozenset()
     moved: Mapping[int, Rung] = field(default_factory=dict)
 
     def rung(self, now: Rung) -> Rung:
         """Return what a rung of the next program was in this one, if it was there."""
         return self.moved.get(id(now), now)
+
+    def graphs_of(
+        self, same: Mapping[str, Mapping[int, int]],
+    ) -> dict[str, dict[int, Aov]]:
+        """Return the graphs of rungs by POU key and ``id``, but of those that are noted.
+
+        ``same`` gives their places in this program, as :func:`same_rungs` does.
+        """
+        rungs = {pou_key(pou): pou.rungs for pou in self.program.pous}
+        return {
+            key: {now: self.graphs[key][place] for now, place in places.items()
+                  if id(rungs[key][place]) not in self.noted}
+            for key, places in same.items()}
 
 
 def same_rungs(

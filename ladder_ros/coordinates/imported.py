@@ -18,7 +18,7 @@ from ladder_ros.compiler.access_keys import access_key, AccessKey
 from ladder_ros.compiler.aov import Aov, Arc, NOT, reads_and_writes, SymbolVertex, VirtualVertex
 from ladder_ros.compiler.imported import lowering_of
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
-from ladder_ros.compiler.pipeline import completed
+from ladder_ros.compiler.stages import completed
 from ladder_ros.compiler.symbols import author_path, Operand, Ref, Symbols
 from ladder_ros.compiler.wires_to_aov import build_wired_aovs
 from ladder_ros.compiler.wiring import Rail

@@ -253,6 +253,11 @@ Pou = Body | Composite
 """A program organisation unit: a program body or a composite's definition."""
 
 
+def is_inline(pou: Pou) -> bool:
+    """Say whether a POU is evaluated as if drawn in place: power passes from end to end."""
+    return isinstance(pou, Composite) and pou.call is CallKind.INLINE
+
+
 _BODY, _COMPOSITE = 'body ', 'composite '
 
 

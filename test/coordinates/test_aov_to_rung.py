@@ -19,7 +19,7 @@ from support.random_rungs import Case, cases, Wishes
 
 from coordinates.graph_cases import graph, graph_of, observable_order, redrawn
 from ladder_ros.compiler.aov import Aov
-from ladder_ros.compiler.pipeline import analyse
+from ladder_ros.compiler.stages import analyse
 from ladder_ros.coordinates.aov_to_rung import draw_aov, draw_rung
 from ladder_ros.coordinates.drawable import with_drawable_components
 from ladder_ros.drawing.rung_text import draw_rung as as_text
