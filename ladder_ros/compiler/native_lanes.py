@@ -82,7 +82,7 @@ class NativeLanes(LaneState):
             return
         digits = zip(*(f'{word:0{LANES}b}' for word in rows), strict=True)
         for column in reversed(list(digits)):
-            yield [digit == '1' for digit in column]
+            yield list(map('1'.__eq__, column))
 
 
 def load_lanes(program: NativeProgram, objects: Sequence[bytes]) -> Mapping[str, LaneScan]:

@@ -83,5 +83,6 @@ class Campaign:
         found: list[list[LaneChange]] = [[] for _ in range(self.scans)]
         for lane, table in enumerate(tables):
             for changes, row in zip(found, table.rows, strict=False):
-                changes += [(index, lane, value) for index, value in row]
+                if row:
+                    changes += [(index, lane, value) for index, value in row]
         return found
