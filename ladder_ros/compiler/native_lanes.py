@@ -88,7 +88,7 @@ class NativeLanes(LaneState):
 def load_lanes(program: NativeProgram, objects: Sequence[bytes]) -> Mapping[str, LaneScan]:
     """Return a function for each body that scans all lanes; all of the program is native."""
     assert not program.why_not
-    linked = Linked(objects)
+    linked = Linked(objects, [part.symbol for parts in program.parts.values() for part in parts])
     kind = ctypes.CFUNCTYPE(
         ctypes.c_int8, ctypes.c_void_p, ctypes.c_int64, ctypes.c_uint64)
 

@@ -351,6 +351,18 @@ def test_cycle_when_asked_what_runs_then_names_the_form_of_the_next_scan() -> No
     assert found == ['python', 'native', 'python', 'python']
 
 
+def test_cycle_when_many_variables_have_been_forced_then_native_code_runs_again() -> None:
+    program = program_of(flat_plant(40))
+    native = compile_program(program, backend='native').executable
+    cycle = ScanCycle(compile_program(program).executable)
+    form = form_of(native)
+    cycle.move_to(form, native.initial_state())
+    for index in range(1, 20):  # more than variants are kept
+        cycle.force(index, cycle.state[index])
+        cycle.unforce(index)
+    assert cycle.prepared(Variant()) is form.functions
+
+
 def test_moment_when_it_is_gone_back_to_then_native_code_goes_on_from_there() -> None:
     program = program_of(flat_plant(40))
     cycle = ScanCycle(compile_program(program, backend='native').executable)
