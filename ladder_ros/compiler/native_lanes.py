@@ -89,11 +89,10 @@ def load_lanes(program: NativeProgram, objects: Sequence[bytes]) -> Mapping[str,
     """Return a function for each body that scans all lanes; all of the program is native."""
     assert not program.why_not
     linked = Linked(objects, [part.symbol for parts in program.parts.values() for part in parts])
-    kind = ctypes.CFUNCTYPE(
-        ctypes.c_int8, ctypes.c_void_p, ctypes.c_int64, ctypes.c_uint64)
 
     def scan_of(symbols: Sequence[str]) -> LaneScan:
-        steps = [kind(linked.address(symbol)) for symbol in symbols]
+        steps = [linked.function(symbol, ctypes.c_void_p, ctypes.c_int64, ctypes.c_uint64)
+                 for symbol in symbols]
 
         def scan(state: LaneState, now: int, keeps: Linked = linked) -> None:
             assert isinstance(state, NativeLanes)

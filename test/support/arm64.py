@@ -90,7 +90,7 @@ class Arm64:
         self._uc.emu_start(address, OUTSIDE)
         return ctypes.c_int8(self._uc.reg_read(arm.UC_ARM64_REG_X0) & 0xFF).value
 
-    # -- memory ------------------------------------------------------------------------------------
+    # -- memory -----------------------------------------------------------------------------------
 
     def place(self, data: bytes, align: int) -> int:
         """Write bytes where there is room; return the address."""
@@ -113,7 +113,7 @@ class Arm64:
         else:
             ctypes.memmove(address, data, len(data))
 
-    # -- functions of C ----------------------------------------------------------------------------
+    # -- functions of C ---------------------------------------------------------------------------
 
     def outside(self, name: str) -> int:
         """Return the address of a function of the C library, which Python executes."""
