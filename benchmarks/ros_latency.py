@@ -529,6 +529,13 @@ PARTS = {'latency': measure_latency, 'topics': measure_topics, 'packed': measure
          'jitter': measure_jitter}
 
 
+def stay_on_this_host() -> None:
+    """Let no other node on the network take part, unless the environment says otherwise."""
+    os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    os.environ.setdefault('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4')
+    os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
+
+
 def show(title: str, rows: Iterator[Row]) -> list[Row]:
     """Print a table row by row, and return it."""
     kept: list[Row] = []
@@ -549,9 +556,7 @@ def main() -> None:
     args = parser.parse_args()
     if unknown := set(args.parts) - set(PARTS):
         parser.error(f'unknown: {", ".join(unknown)}')
-    os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    os.environ.setdefault('FASTDDS_BUILTIN_TRANSPORTS', 'UDPv4')
-    os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 100))
+    stay_on_this_host()
     print(f'{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, '
           f'load {os.getloadavg()[0]:.1f}')
     found = {}

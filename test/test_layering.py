@@ -58,7 +58,7 @@ MAY_IMPORT: dict[str, set[str]] = {
         'source', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'background',
         'resources', 'proving_process',
     },
-    'refactoring': DATA | {'source', 'drawing', 'compiler', 'refactor'},
+    'refactoring': DATA | {'source', 'drawing', 'compiler', 'coordinates', 'refactor'},
     'proving': DATA | {'source', 'compiler', 'refactor', 'runtime'},
     'showing': DATA | {'source', 'drawing', 'compiler', 'coordinates', 'refactor'},
     'editing': DATA | {'source', 'drawing', 'edit'},

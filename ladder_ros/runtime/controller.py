@@ -299,10 +299,13 @@ class Controller:
                     lambda: self._programs.accept(self._loaded('accepting'))):
                 raise _no_test('accepting')
 
-    def move_to(self, executable: Executable, form: Form) -> None:
-        """Let a program go on in a faster form between two scans, if it is still there."""
+    def move_to(self, executable: Executable, form: Form) -> object:
+        """Let a program go on in a faster form between two scans, if it is still there.
+
+        Returns what is to be freed, which may take long.
+        """
         state = form.make_state(executable.initial_state())
-        self._turns.boundary(lambda: self._programs.move_to(executable, form, state))
+        return self._turns.boundary(lambda: self._programs.move_to(executable, form, state))
 
     def run_shadow(self, shadow: Shadow) -> None:
         """Let another program scan along; replaces one that does so already."""

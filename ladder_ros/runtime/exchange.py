@@ -124,12 +124,15 @@ class Exchange:
             report=report, reason=reason))
         return True
 
-    def move_to(self, executable: Executable, form: Form, state: State) -> None:
-        """Let a program go on in a faster form, in ``state``; nothing if it is not there."""
+    def move_to(self, executable: Executable, form: Form, state: State) -> object:
+        """Let a program go on in a faster form, in ``state``; nothing if it is not there.
+
+        Returns what is to be freed.
+        """
         for cycle in (self.cycle, self.trial.old if self.trial is not None else None):
             if cycle is not None and cycle.executable is executable:
-                cycle.move_to(form, state)
-                return
+                return cycle.move_to(form, state)
+        return None
 
     def accept(self, tried: ScanCycle) -> bool:
         """End a test with the new program; say whether there was one."""

@@ -138,6 +138,8 @@ class ScanCycle:
 
     def prepared(self, variant: Variant) -> Functions:
         """Build a variant, or take it from the cache: a later switch to it takes no time."""
+        if self.form is not None and variant == Variant():
+            return self.form.functions
         functions = self._variants.get(variant)
         if functions is None:
             functions = self.executable.build(variant)
@@ -147,18 +149,19 @@ class ScanCycle:
             self._variants[variant] = functions
         return functions
 
-    def move_to(self, form: Form, state: State) -> None:
+    def move_to(self, form: Form, state: State) -> object:
         """Go on in a faster form, in ``state``, one of that form; takes little time.
 
-        Not while it scans.  What it computes stays the same.
+        Not while it scans.  What it computes stays the same.  Returns what is not needed any
+        more, for who has the time to free it.
         """
         self.image.take_form(form, state)
-        self._variants = {
+        before, self._variants = self._variants, {
             variant: dict(form.adapt(functions))
-            for variant, functions in self._variants.items()}
-        self._variants[Variant()] = dict(form.functions)
+            for variant, functions in self._variants.items() if variant != Variant()}
         self.form = form
         self._functions = self.prepared(self.variant)
+        return before
 
     def write(self, index: int, value: Value, *, catch_pulse: bool = False) -> None:
         """Give a variable a value before the next scan.  For any thread.
