@@ -23,7 +23,7 @@ from ladder_ros.drawing.program_html import program_html, Report
 from ladder_ros.drawing.program_svg import program_svg, ProgramStyle
 from ladder_ros.drawing.rung_text import draw_program, Style
 from ladder_ros.drawing.sketch import chosen_pous
-from ladder_ros.model.program import Pou, Program, Rung
+from ladder_ros.model.program import Pou, Program, with_rungs
 from ladder_ros.refactor.cross_reference import cross_reference
 from ladder_ros.refactor.metrics import Granularity, measure, Metrics
 from ladder_ros.source.read_any import read_any, read_with_source
@@ -81,14 +81,8 @@ def _as_drawn(program: Program) -> Program:
     try:
         return with_drawings(program)
     except LadderError:
-        return replace(
-            program,
-            bodies=tuple(replace(one, rungs=_on_grid(one)) for one in program.bodies),
-            composites=tuple(replace(one, rungs=_on_grid(one)) for one in program.composites))
-
-
-def _on_grid(pou: Pou) -> tuple[Rung, ...]:
-    return tuple(rung for rung in pou.rungs if rung.wires is None)
+        return with_rungs(program, lambda pou: tuple(
+            rung for rung in pou.rungs if rung.wires is None))
 
 
 def _facts(

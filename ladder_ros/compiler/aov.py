@@ -106,7 +106,7 @@ class Aov:
     """The graph of a rung.  ``symbols`` stand in the order in which a scan evaluates them.
 
     That is the topological order of power flow and direct data connections, ties by (row, column,
-    id), an inline composite's components standing together (DESIGN section 3).
+    id), an inline composite's components standing together (docs/adr/0001-order-of-evaluation.md).
     """
 
     rung: str

@@ -17,6 +17,7 @@ from ladder_ros.compiler.access_keys import by_path
 from ladder_ros.compiler.aov import Aov, reads_and_writes, SymbolVertex
 from ladder_ros.compiler.st_names import interface, literal, Names, SURE
 from ladder_ros.compiler.symbols import Element, is_data_slot, Literal, Operand, Ref, Target
+from ladder_ros.compiler.wires_in_rows import COLUMN, LEFT, ROW
 from ladder_ros.compiler.wiring import Rail
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.catalogue import CATALOGUE
@@ -35,7 +36,6 @@ from ladder_ros.model.component import (
 from ladder_ros.model.program import Composite, composite_key, Port, Rung, Wire
 from ladder_ros.model.types import DataType, default_value
 
-_COLUMN, _ROW, _LEFT = 170, 50, 70
 _PIN = 20
 
 
@@ -89,9 +89,9 @@ class WireMaker:
 
     def constant_contact(self, operand: str, kind: ContactKind) -> Port:
         """Add a contact at the left rail; return what it gives."""
-        self.row += _ROW
+        self.row += ROW
         one = Contact(id=self.new_id(), operand=operand, kind=kind, placement=Placement(
-            x=_LEFT, y=self.row - _ROW + 20, width=21, height=15))
+            x=LEFT, y=self.row - ROW + 20, width=21, height=15))
         self.components.append(one)
         self.wires.append(Wire(source=Port(), target=Port(component=one.id)))
         return Port(component=one.id)
@@ -103,11 +103,11 @@ class WireMaker:
         """
         height = 50 + _PIN * (len(pins) + 1)
         number = self.new_id()
-        place = Placement(x=_LEFT + _COLUMN, y=self.row + 20, width=120, height=height)
+        place = Placement(x=LEFT + COLUMN, y=self.row + 20, width=120, height=height)
         self.row += height + 20
         for index, (pin, operand) in enumerate(pins):
             variable = InVariable(id=self.new_id(), operand=operand, placement=Placement(
-                x=_LEFT, y=place.y + 30 + _PIN * (index + 1), width=60, height=15))
+                x=LEFT, y=place.y + 30 + _PIN * (index + 1), width=60, height=15))
             self.components.append(variable)
             self.wires.append(Wire(source=Port(component=variable.id),
                                    target=Port(component=number, pin=pin)))
@@ -118,8 +118,8 @@ class WireMaker:
     def coil(self, power: Port, operand: str, kind: CoilKind) -> None:
         """Add a coil on a line of its own."""
         coil = Coil(id=self.new_id(), operand=operand, kind=kind, placement=Placement(
-            x=_LEFT + 2 * _COLUMN, y=self.row + 20, width=21, height=15))
-        self.row += _ROW
+            x=LEFT + 2 * COLUMN, y=self.row + 20, width=21, height=15))
+        self.row += ROW
         self.components.append(coil)
         self.wires.append(Wire(source=power, target=Port(component=coil.id)))
 
@@ -238,14 +238,14 @@ class _Network:
     def place(self, sources: Iterable[Port], *, width: int = 21, height: int = 15) -> Placement:
         """Return a place on a line of its own, right of what feeds it."""
         column = max((self.column.get(port.component, -1) for port in sources), default=-1) + 1
-        place = Placement(x=_LEFT + column * _COLUMN, y=self.maker.row + 20, width=width,
+        place = Placement(x=LEFT + column * COLUMN, y=self.maker.row + 20, width=width,
                           height=height)
-        self.maker.row += max(_ROW, height + 20)
+        self.maker.row += max(ROW, height + 20)
         return place
 
     def put(self, component: Component) -> None:
         self.maker.components.append(component)
-        self.column[component.id] = (component.placement.x - _LEFT) // _COLUMN
+        self.column[component.id] = (component.placement.x - LEFT) // COLUMN
 
     # -- components -------------------------------------------------------------------------
 
@@ -420,7 +420,7 @@ class _Network:
         self.put(variable)
         target = OutVariable(
             id=self.maker.new_id(), operand=self.maker.text(kept),
-            placement=replace(variable.placement, x=variable.placement.x + _COLUMN))
+            placement=replace(variable.placement, x=variable.placement.x + COLUMN))
         self.put(target)
         self.connect([Port(component=variable.id)], Port(component=target.id))
         return kept

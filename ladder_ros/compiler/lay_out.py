@@ -89,7 +89,7 @@ def lay_out(
 
 
 def _io_class(variable: Variable) -> SlotClass:
-    """Return the slot class; a located variable is I/O whatever its class says (DESIGN 5)."""
+    """Return the slot class; a located variable is I/O whatever its class says."""
     if variable.variable_class is VariableClass.LOCAL:
         return _located_class(variable)
     return _CLASS[variable.variable_class]

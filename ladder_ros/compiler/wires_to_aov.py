@@ -36,6 +36,7 @@ from ladder_ros.model.component import (
     OutVariable,
     PinEdge,
     PinModifier,
+    senses_edge,
 )
 from ladder_ros.model.program import Port, Rung
 from ladder_ros.model.types import DataType
@@ -317,9 +318,7 @@ class _Builder:
         givers = [self._giver(port, owner) for port in sources]
         number = len(self.symbols)
         memory: Ref | None = None
-        if isinstance(component, (Contact, Coil)) and component.kind.value in (
-            'rising', 'falling',
-        ):
+        if isinstance(component, (Contact, Coil)) and senses_edge(component):
             memory = edge_memory(self.rung.id, component.id)
         self.symbols.append(SymbolVertex(
             id=number, path=component.id, component=component, resolved=resolved,

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 from ladder_ros.diagnostics import Diagnostic, Location
@@ -102,7 +102,7 @@ class Wire:
 
 
 class Order(Enum):
-    """In which order the statements of an imported drawing are evaluated (DESIGN section 3).
+    """In which order the statements of an imported drawing are evaluated (docs/pipeline.md).
 
     POSITION_ALL: one list of coils, outVariables and blocks by position.  POSITION_KIND: coils and
     outVariables by position, then the blocks that were not reached.  DOCUMENT: as in the file.
@@ -251,6 +251,24 @@ class Program:
 
 Pou = Body | Composite
 """A program organisation unit: a program body or a composite's definition."""
+
+
+def with_pou(program: Program, pou: Pou) -> Program:
+    """Return the program with a POU in the place of the one of its key."""
+    key = pou_key(pou)
+    if isinstance(pou, Body):
+        return replace(program, bodies=tuple(
+            pou if pou_key(body) == key else body for body in program.bodies))
+    return replace(program, composites=tuple(
+        pou if pou_key(composite) == key else composite for composite in program.composites))
+
+
+def with_rungs(program: Program, rungs: Callable[[Pou], tuple[Rung, ...]]) -> Program:
+    """Return the program with the rungs of each POU as a function says."""
+    return replace(
+        program,
+        composites=tuple(replace(one, rungs=rungs(one)) for one in program.composites),
+        bodies=tuple(replace(one, rungs=rungs(one)) for one in program.bodies))
 
 
 def is_inline(pou: Pou) -> bool:

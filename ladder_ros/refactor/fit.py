@@ -19,6 +19,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from ladder_ros.diagnostics import Location
+from ladder_ros.model.places import names_in
 from ladder_ros.model.program import (
     Body,
     Direction,
@@ -34,7 +35,6 @@ from ladder_ros.model.program import (
 from ladder_ros.model.references import Access
 from ladder_ros.model.types import DataType
 from ladder_ros.refactor.metrics import Counts
-from ladder_ros.refactor.places import names_in
 from ladder_ros.refactor.shapes import Spot
 
 

@@ -42,9 +42,9 @@ from ladder_ros.compiler.tree import (
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.model.component import Argument, Block, Coil, Component, Contact, Instance
-from ladder_ros.model.program import CallKind, Composite, Pou, pou_key, Program, Rung
+from ladder_ros.model.places import base, Directions, directions, is_literal, Place, places
+from ladder_ros.model.program import Composite, is_inline, Pou, pou_key, Program, Rung
 from ladder_ros.model.types import DataType
-from ladder_ros.refactor.places import base, Directions, directions, is_literal, Place, places
 
 MOST_PART = 12
 """Components in a part of a rung that is looked for elsewhere."""
@@ -110,9 +110,8 @@ def analyse_program(program: Program) -> Analysis:
     symbols, found = resolve_symbols(program)
     graphs: dict[tuple[str, str], Aov] = {}
     for pou in program.pous:
-        ends = not (isinstance(pou, Composite) and pou.call is CallKind.INLINE)
         for rung in pou.rungs:
-            wiring, wrong = analyse_connections(rung, ends_in_output=ends)
+            wiring, wrong = analyse_connections(rung, ends_in_output=not is_inline(pou))
             found += wrong
             if has_errors(found):
                 continue
