@@ -203,3 +203,16 @@ def _prelude_reads(symbol: SymbolVertex) -> Iterator[Operand]:
         if instruction.call is not None:
             for _, operand in instruction.call.inputs:
                 yield operand
+
+
+def numbered(aov: Aov) -> Aov:
+    """Return a graph with its symbols numbered first, in order, and each arc once."""
+    vertices: list[SymbolVertex | VirtualVertex] = [*aov.symbols, *aov.virtuals]
+    number = {vertex.id: index for index, vertex in enumerate(vertices)}
+    arcs = {replace(arc, source=number[arc.source], target=number[arc.target]): None
+            for arc in aov.arcs}
+    return replace(
+        aov, symbols=tuple(replace(s, id=number[s.id]) for s in aov.symbols),
+        virtuals=tuple(replace(v, id=number[v.id]) for v in aov.virtuals),
+        arcs=tuple(sorted(arcs, key=lambda arc: (
+            arc.source, arc.target, arc.source_pin, arc.target_pin))))

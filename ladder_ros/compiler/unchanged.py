@@ -17,7 +17,7 @@ from ladder_ros.compiler.aov import Aov
 from ladder_ros.compiler.il import Network
 from ladder_ros.compiler.symbols import Scope, Symbols
 from ladder_ros.diagnostics import Location
-from ladder_ros.model.component import Argument, Block, Coil, Contact, Instance
+from ladder_ros.model.component import arguments_of, Block, Coil, Contact, Instance
 from ladder_ros.model.program import Composite, Parameter, pou_key, Program, Rung, Variable
 
 _Declared = TypeVar('_Declared', Parameter, Variable)
@@ -125,20 +125,12 @@ def _names(rung: Rung) -> Iterator[str]:
     for component in rung.components:
         if isinstance(component, (Contact, Coil)):
             yield from _roots(component.operand)
-        elif isinstance(component, Block):
+        elif isinstance(component, (Block, Instance)):
+            type_ = component.type if isinstance(component, Block) else component.composite
             yield component.instance.casefold()
-            yield component.type.casefold()
-            yield from _arguments(component.inputs)
-            yield from _arguments(component.outputs)
-        elif isinstance(component, Instance):
-            yield component.instance.casefold()
-            yield component.composite.casefold()
-            yield from _arguments(component.arguments)
-
-
-def _arguments(arguments: tuple[Argument, ...]) -> Iterator[str]:
-    for argument in arguments:
-        yield from _roots(argument.operand)
+            yield type_.casefold()
+            for argument in arguments_of(component):
+                yield from _roots(argument.operand)
 
 
 def _roots(operand: str) -> Iterator[str]:

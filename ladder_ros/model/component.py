@@ -286,6 +286,13 @@ Component = (
     Contact | Coil | Row | Column | Block | Instance | InVariable | OutVariable | Jump | Label)
 
 
+def arguments_of(component: Component) -> tuple[Argument, ...]:
+    """Return what is connected to the pins of a block, or to the parameters of an instance."""
+    if isinstance(component, Block):
+        return component.inputs + component.outputs
+    return component.arguments if isinstance(component, Instance) else ()
+
+
 _EDGES = (ContactKind.RISING, ContactKind.FALLING, CoilKind.RISING, CoilKind.FALLING)
 
 

@@ -41,7 +41,13 @@ from ladder_ros.compiler.tree import (
 )
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.diagnostics import has_errors, LadderError
-from ladder_ros.model.component import Argument, Block, Coil, Component, Contact, Instance
+from ladder_ros.model.component import (
+    arguments_of,
+    Block,
+    Coil,
+    Contact,
+    Instance,
+)
 from ladder_ros.model.places import base, Directions, directions, is_literal, Place, places
 from ladder_ros.model.program import Composite, is_inline, Pou, pou_key, Program, Rung
 from ladder_ros.model.types import DataType
@@ -204,7 +210,7 @@ class _RungShape:
         rank = {leaf.symbol.component.id.casefold(): n for n, leaf in enumerate(order)}
         links = tuple(
             (n, argument.pin.casefold(), rank[source.casefold()], pin.casefold())
-            for n, leaf in enumerate(order) for argument in _arguments(leaf.symbol.component)
+            for n, leaf in enumerate(order) for argument in arguments_of(leaf.symbol.component)
             if argument.source for source, _, pin in [argument.source.partition('.')])
         number = self.numbers.of(
             ('rung', tuple(self.plain[id(tree)] for tree in forest.trees), links))
@@ -321,7 +327,7 @@ class _RungShape:
             kind = ('instance', component.composite.casefold())
         rows = tuple(sorted(
             (argument.pin.casefold(), argument.row if argument.row is not None else -1)
-            for argument in _arguments(component) if not argument.operand))
+            for argument in arguments_of(component) if not argument.operand))
         return self.numbers.of((*kind, pins, rows))
 
     def _typed(self, symbol: SymbolVertex) -> Iterable[tuple[Place, DataType]]:
@@ -358,12 +364,6 @@ def _is_contact(leaf: Tree) -> bool:
 
 def _is_coil(part: Tree) -> bool:
     return isinstance(part, Leaf) and isinstance(part.symbol.component, Coil)
-
-
-def _arguments(component: Component) -> tuple[Argument, ...]:
-    if isinstance(component, Block):
-        return component.inputs + component.outputs
-    return component.arguments if isinstance(component, Instance) else ()
 
 
 def _distinct(parts: Sequence[Tree]) -> bool:

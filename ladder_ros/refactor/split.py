@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ladder_ros.compiler.accesses import access_histories
-from ladder_ros.compiler.aov import Aov, SymbolVertex
+from ladder_ros.compiler.aov import Aov, numbered, SymbolVertex
 from ladder_ros.compiler.tree import Leaf
 from ladder_ros.compiler.wiring import Rail
 from ladder_ros.coordinates.aov_to_rung import draw_rung
@@ -27,7 +27,6 @@ from ladder_ros.model.component import (
 from ladder_ros.model.places import edge_place
 from ladder_ros.model.program import Pou, pou_key, Program, Rung, with_pou
 from ladder_ros.refactor.naming import unique
-from ladder_ros.refactor.parts import numbered
 from ladder_ros.refactor.shapes import analyse_program
 
 
