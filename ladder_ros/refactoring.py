@@ -14,7 +14,7 @@ import os
 
 from ladder_ros.compiler.pipeline import check_program, compile_program
 from ladder_ros.coordinates.imported import with_drawings
-from ladder_ros.diagnostics import has_errors, LadderError
+from ladder_ros.diagnostics import LadderError, raise_errors
 from ladder_ros.drawing.program_svg import pou_pictures
 from ladder_ros.drawing.rung_text import draw_program, Style
 from ladder_ros.model.program import Composite, Program
@@ -317,9 +317,7 @@ def update_libraries(path: str | os.PathLike[str]) -> Refactored:
     changed = [use.library for use, version in zip(program.uses, versions, strict=True)
                if use.sha256[:HASH_DIGITS] != version]
     updated = replace(program, uses=uses)
-    found = check_program(with_libraries(updated, name))
-    if has_errors(found):
-        raise LadderError(found)
+    raise_errors(check_program(with_libraries(updated, name)))
     return _refactored(updated, (f'{one} is another version' for one in changed))
 
 
@@ -329,9 +327,7 @@ def _own(path: str | os.PathLike[str]) -> Program:
     if program.dialect != 'native':
         raise LadderError.of('L0511', program.location, form='xml',
                              what='a program that was drawn elsewhere')
-    found = check_program(program)
-    if has_errors(found):
-        raise LadderError(found)
+    raise_errors(check_program(program))
     return program
 
 

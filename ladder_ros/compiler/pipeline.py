@@ -49,7 +49,7 @@ from ladder_ros.compiler.stages import (
     Stages,
 )
 from ladder_ros.compiler.unchanged import Before
-from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError, problem
+from ladder_ros.diagnostics import Diagnostic, LadderError, problem, raise_errors
 from ladder_ros.executable import (
     ComponentEntry,
     Executable,
@@ -156,8 +156,7 @@ def _work(
         program=earlier.program, symbols=earlier.stages.symbols, noted=earlier.stages.noted,
         graphs=earlier.stages.graphs, coded=earlier.coded, moved=moved)
     stages = analyse(program, before)
-    if has_errors(stages.diagnostics):
-        raise LadderError(stages.diagnostics)
+    raise_errors(stages.diagnostics)
     if not program.bodies:
         raise LadderError.of('L0219', program.location)
     stages = replace(stages, wirings={})  # nothing needs them any more

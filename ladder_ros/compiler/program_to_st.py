@@ -19,7 +19,7 @@ from ladder_ros.compiler.imported import needed_pous
 from ladder_ros.compiler.st_names import Identifiers, interface, literal, Names, user_names
 from ladder_ros.compiler.st_to_iec import instruction_lines
 from ladder_ros.compiler.stages import analyse, build_trees, completed, lower, Stages
-from ladder_ros.diagnostics import has_errors, LadderError
+from ladder_ros.diagnostics import raise_errors
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.derived import (
     Array,
@@ -98,8 +98,7 @@ class StWriter:
         """
         program = completed(program)
         stages = analyse(program)
-        if has_errors(stages.diagnostics):
-            raise LadderError(stages.diagnostics)
+        raise_errors(stages.diagnostics)
         code = {**lower(build_trees(program, stages)), **stages.texts}
         composites = {c.name.casefold(): c for c in program.composites}
         types = Identifiers(user_names(program), rename=rename, named=named)

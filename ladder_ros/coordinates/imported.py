@@ -23,7 +23,7 @@ from ladder_ros.compiler.symbols import author_path, Operand, Ref, Symbols
 from ladder_ros.compiler.wires_to_aov import build_wired_aovs
 from ladder_ros.compiler.wiring import Rail
 from ladder_ros.coordinates.aov_to_rung import draw_rung
-from ladder_ros.diagnostics import has_errors, LadderError, Severity
+from ladder_ros.diagnostics import raise_errors, Severity
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import (
     Argument,
@@ -58,8 +58,7 @@ def with_drawings(program: Program) -> Program:
     # A stand-in is drawn as the block that it stands for, and is not listed.
     complete = completed(program, stubs=True)
     symbols, found = resolve_symbols(complete)
-    if has_errors(found):
-        raise LadderError(found)
+    raise_errors(found)
     standing = {pou_key(pou): pou for pou in complete.pous}
     program = completed(program)
     return replace(

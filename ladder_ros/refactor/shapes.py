@@ -40,7 +40,7 @@ from ladder_ros.compiler.tree import (
     Tree,
 )
 from ladder_ros.compiler.wiring_to_aov import build_aov
-from ladder_ros.diagnostics import has_errors, LadderError
+from ladder_ros.diagnostics import has_errors, raise_errors
 from ladder_ros.model.component import (
     arguments_of,
     Block,
@@ -124,8 +124,7 @@ def analyse_program(program: Program) -> Analysis:
             aov, wrong = build_aov(wiring, symbols.of_rung(pou_key(pou), rung.id))
             found += wrong
             graphs[pou_key(pou), rung.id.casefold()] = aov
-    if has_errors(found):
-        raise LadderError(found)
+    raise_errors(found)
     return Analysis(program=program, symbols=symbols, graphs=graphs,
                     keys={pou_key(pou): access_key(program, pou) for pou in program.pous})
 

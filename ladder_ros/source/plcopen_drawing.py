@@ -23,6 +23,7 @@ from ladder_ros.model.component import (
     Jump,
     Label,
     OutVariable,
+    page_order,
     PinEdge,
     PinModifier,
     Placement,
@@ -42,8 +43,6 @@ _SOME_WIRES, _WIRES_EACH = 100_000, 8
 _MAX_LINKS = 100
 """Connectors and continuations in a row."""
 _MAX_COMMENT = 2000
-_SAME_LINE = 10
-"""Elements whose heights differ by less stand on one line, for editors of this format."""
 
 _SILENT = frozenset({
     'comment', 'vendorElement', 'error', 'rightPowerRail', 'leftPowerRail', 'addData',
@@ -470,7 +469,7 @@ class _Reader:
             numbers.update(self.label_numbers(numbers))
             first = sorted((c for c in components if c.id in numbers), key=lambda c: numbers[c.id])
             rest = [c for c in components if c.id not in numbers]
-            return first + sorted(rest, key=cmp_to_key(_by_position)), Order.DOCUMENT
+            return first + sorted(rest, key=cmp_to_key(page_order)), Order.DOCUMENT
         places = {(c.placement.x, c.placement.y) for c in components}
         return components, Order.DOCUMENT if len(places) <= 1 else Order.POSITION_ALL
 
@@ -484,11 +483,6 @@ def _is_negated_jump(element: Element) -> bool:
     marks = [mark for data in children(element, 'addData') for part in children(data, 'data')
              for mark in children(part, 'negated')]
     return _flag(element, 'negated') or any(_flag(mark, 'value') for mark in marks)
-
-
-def _by_position(first: Component, second: Component) -> int:
-    a, b = first.placement, second.placement
-    return a.x - b.x if abs(a.y - b.y) < _SAME_LINE else a.y - b.y
 
 
 def _connections(element: Element) -> Iterator[Element]:

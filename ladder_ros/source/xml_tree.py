@@ -19,7 +19,7 @@ import re
 import stat
 from xml.parsers import expat
 
-from ladder_ros.diagnostics import Diagnostic, LadderError, Location, problem
+from ladder_ros.diagnostics import Diagnostic, LadderError, Location, problem, refusal_of
 from ladder_ros.nouns import maker
 
 MAX_BYTES = 128 * 1024 * 1024
@@ -98,7 +98,7 @@ def read_file(path: str | os.PathLike[str]) -> bytes:
         # Opening a named pipe must not wait for somebody who writes to it.
         descriptor = os.open(name, os.O_RDONLY | getattr(os, 'O_NONBLOCK', 0))
     except OSError as error:
-        raise LadderError.of('L0109', place, reason=error.strerror or str(error)) from None
+        raise LadderError.of('L0109', place, reason=refusal_of(error)) from None
     except ValueError as error:  # a NUL or a lone surrogate in the path
         raise LadderError.of('L0109', place, reason=str(error)) from None
     try:
@@ -112,7 +112,7 @@ def read_file(path: str | os.PathLike[str]) -> bytes:
             if len(data) > status.st_size:
                 data += file.read(MAX_BYTES + 1 - len(data))
     except OSError as error:
-        raise LadderError.of('L0109', place, reason=error.strerror or str(error)) from None
+        raise LadderError.of('L0109', place, reason=refusal_of(error)) from None
     finally:
         os.close(descriptor)
     if len(data) > MAX_BYTES:
