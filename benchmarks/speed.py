@@ -49,6 +49,7 @@ from ladder_ros.compiler.pipeline import compile_program  # noqa: E402
 from ladder_ros.executable import LANES, Variant  # noqa: E402
 from ladder_ros.runtime.lanes import Campaign  # noqa: E402
 from ladder_ros.runtime.scan_cycle import ScanCycle  # noqa: E402
+from ladder_ros.runtime.simulation import Simulation  # noqa: E402
 from ladder_ros.runtime.trace_csv import InputTable  # noqa: E402
 from ladder_ros.source.model_to_xml import write_program  # noqa: E402
 from ladder_ros.source.read_any import parse_any  # noqa: E402
@@ -170,8 +171,9 @@ def lanes() -> Iterator[Figure]:
         taken = []
         for executable in (native, replace(native, lanes=None)):
             began = time.perf_counter()
-            Campaign(executable=executable, slots=native.io()[-5:], scans=1000,
-                     interval_ns=10 * MS, inputs=tables).run()
+            list(Campaign(simulations=[
+                Simulation(executable=executable, slots=native.io()[-5:], scans=1000,
+                           interval_ns=10 * MS, inputs=table) for table in tables]))
             taken.append(time.perf_counter() - began)
         ratios.append(taken[1] / taken[0])
     yield Figure(what='64 simulations of 1000 scans of 100 rungs, with tables and results',
