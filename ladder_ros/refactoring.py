@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The facade for measuring and refactoring program files: what the doors call.
 
-Every function that changes a program returns the new one as an :class:`Edit`; nothing here writes
-a file.  Mistakes of the user raise :class:`~ladder_ros.diagnostics.LadderError`.
+Every function that changes a program returns the new one as :class:`Refactored`; nothing here
+writes a file.  Mistakes of the user raise :class:`~ladder_ros.diagnostics.LadderError`.
 """
 
 from __future__ import annotations
@@ -56,11 +56,11 @@ __all__ = [
     'DEFAULT_RUNS',
     'MOST_PARAMETERS',
     'Counts',
-    'Edit',
     'Goal',
     'Granularity',
     'LoadTime',
     'Measured',
+    'Refactored',
     'Repeat',
     'Viewed',
     'add_composites',
@@ -83,7 +83,7 @@ __all__ = [
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Edit:
+class Refactored:
     """A changed program: its text in canonical form, and what was done, a line each."""
 
     text: str
@@ -159,12 +159,12 @@ def find(
 def auto(
     path: str | os.PathLike[str], *, most_parameters: int = MOST_PARAMETERS,
     goal: Goal = Goal.COMPONENTS,
-) -> Edit:
+) -> Refactored:
     """Make composites of what repeats, the best first, until nothing pays."""
     before = _own(path)
     after, steps = refactor(before, most_parameters=most_parameters, goal=goal)
     saved = measure(before).counts - measure(after).counts
-    return _edit(after, (
+    return _refactored(after, (
         f'{step.name} for {", ".join(map(str, step.repeat.occurrences))}' for step in steps),
         steps=[step.to_json() for step in steps], saving=saved.to_json())
 
@@ -173,7 +173,7 @@ def extract(
     path: str | os.PathLike[str], *, pou: str, rungs: Sequence[str],
     components: Sequence[str] = (), name: str, everywhere: bool = False, category: str = '',
     specification: str = '',
-) -> Edit:
+) -> Refactored:
     """Make a composite of neighbouring rungs, or of components of one, and of all like them."""
     before = _own(path)
     if components and len(rungs) == 1:
@@ -187,52 +187,53 @@ def extract(
         program, replaced = extract_rungs(
             before, pou, rungs, name=name, everywhere=everywhere, category=category,
             specification=specification)
-    return _edit(program, (f'{name} for {fragment}' for fragment in replaced))
+    return _refactored(program, (f'{name} for {fragment}' for fragment in replaced))
 
 
 def inline(
     path: str | os.PathLike[str], *, composite: str = '', pou: str = '', instance: str = '',
-) -> Edit:
+) -> Refactored:
     """Draw out one instance in a POU, or all instances of a composite and remove that."""
     before = _own(path)
     if composite:
-        return _edit(inline_composite(before, composite), [f'{composite} is drawn out'])
+        return _refactored(inline_composite(before, composite), [f'{composite} is drawn out'])
     found = require_pou(before, pou)
-    return _edit(inline_instance(before, found, instance),
+    return _refactored(inline_instance(before, found, instance),
                  [f'{instance} in {found.name} is drawn out'])
 
 
-def rename(path: str | os.PathLike[str], old: str, new: str, *, composite: str = '') -> Edit:
+def rename(path: str | os.PathLike[str], old: str, new: str, *, composite: str = '') -> Refactored:
     """Rename something in the program, or a member of a composite."""
     before = _own(path)
     inside = require_composite(before, composite) if composite else None
-    return _edit(rename_in(before, old, new, inside), [f'{old} is now {new}'])
+    return _refactored(rename_in(before, old, new, inside), [f'{old} is now {new}'])
 
 
-def remove_unused(path: str | os.PathLike[str]) -> Edit:
+def remove_unused(path: str | os.PathLike[str]) -> Refactored:
     """Remove the variables, parameters, composites and tasks that nothing uses."""
     program, removed = remove_unused_from(_own(path))
-    return _edit(program, (f'removed {what}' for what in removed))
+    return _refactored(program, (f'removed {what}' for what in removed))
 
 
-def forget(path: str | os.PathLike[str]) -> Edit:
+def forget(path: str | os.PathLike[str]) -> Refactored:
     """Remove where state was: for when no running program is older than this one."""
-    return _edit(forget_in(_own(path)), ['removed where state was'])
+    return _refactored(forget_in(_own(path)), ['removed where state was'])
 
 
-def split(path: str | os.PathLike[str], *, pou: str, rung: str) -> Edit:
+def split(path: str | os.PathLike[str], *, pou: str, rung: str) -> Refactored:
     """Split a rung into the drawings in it that have only the power rails in common."""
     before = _own(path)
     found = require_pou(before, pou)
-    return _edit(split_rung(before, found, require_rung(found, rung)), [f'split rung {rung}'])
+    program = split_rung(before, found, require_rung(found, rung))
+    return _refactored(program, [f'split rung {rung}'])
 
 
-def merge(path: str | os.PathLike[str], *, pou: str, rungs: Sequence[str]) -> Edit:
+def merge(path: str | os.PathLike[str], *, pou: str, rungs: Sequence[str]) -> Refactored:
     """Draw neighbouring rungs as one."""
     before = _own(path)
     found = require_pou(before, pou)
     chosen = [require_rung(found, rung) for rung in rungs]
-    return _edit(merge_rungs(before, found, chosen), [f'merged rungs {", ".join(rungs)}'])
+    return _refactored(merge_rungs(before, found, chosen), [f'merged rungs {", ".join(rungs)}'])
 
 
 # -- libraries ------------------------------------------------------------------------------------
@@ -284,28 +285,28 @@ def view_composite(path: str | os.PathLike[str], name: str, *, ascii_only: bool 
         drawing=draw_program(program, composite.name, Style(ascii_only=ascii_only)))
 
 
-def export_composites(path: str | os.PathLike[str], name: str = '') -> Edit:
+def export_composites(path: str | os.PathLike[str], name: str = '') -> Refactored:
     """Return a library of one composite and those in it, or of all."""
     taken = library.take_out(_own(path), name)
-    return _edit(taken, (f'took out {composite.name}' for composite in taken.composites))
+    return _refactored(taken, (f'took out {composite.name}' for composite in taken.composites))
 
 
-def add_composites(path: str | os.PathLike[str], added: str | os.PathLike[str]) -> Edit:
+def add_composites(path: str | os.PathLike[str], added: str | os.PathLike[str]) -> Refactored:
     """Return a library or program with the composites of another file."""
     program, names = library.put_in(_own(path), _own(added))
-    return _edit(program, (f'added {name}' for name in names))
+    return _refactored(program, (f'added {name}' for name in names))
 
 
-def use_library(path: str | os.PathLike[str], name: str) -> Edit:
+def use_library(path: str | os.PathLike[str], name: str) -> Refactored:
     """Return a program that uses a library; its composites that are the same come from there."""
     program = _own(path)
     found = find_library(name, os.fspath(path), program.location)
     offered = read_any(found)
     changed, moved = library.use(program, offered, name, version_of(found))
-    return _edit(changed, (f'{composite} comes from {name}' for composite in moved))
+    return _refactored(changed, (f'{composite} comes from {name}' for composite in moved))
 
 
-def update_libraries(path: str | os.PathLike[str]) -> Edit:
+def update_libraries(path: str | os.PathLike[str]) -> Refactored:
     """Return a program that uses its libraries as they are now."""
     name = os.fspath(path)
     program = parse_program(read_file(path), name)
@@ -319,7 +320,7 @@ def update_libraries(path: str | os.PathLike[str]) -> Edit:
     found = check_program(with_libraries(updated, name))
     if has_errors(found):
         raise LadderError(found)
-    return _edit(updated, (f'{one} is another version' for one in changed))
+    return _refactored(updated, (f'{one} is another version' for one in changed))
 
 
 def _own(path: str | os.PathLike[str]) -> Program:
@@ -334,5 +335,5 @@ def _own(path: str | os.PathLike[str]) -> Program:
     return program
 
 
-def _edit(program: Program, done: Iterable[str], **facts: object) -> Edit:
-    return Edit(text=write_program(program), done=tuple(done), facts=facts)
+def _refactored(program: Program, done: Iterable[str], **facts: object) -> Refactored:
+    return Refactored(text=write_program(program), done=tuple(done), facts=facts)

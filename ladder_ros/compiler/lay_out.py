@@ -9,9 +9,9 @@ from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.access_keys import storage_key
 from ladder_ros.compiler.history import earlier_paths
-from ladder_ros.compiler.il import active_flag, Instruction, InstructionList, Op
+from ladder_ros.compiler.il import active_flag, EDGES, Instruction, InstructionList, Op
 from ladder_ros.compiler.stub_blocks import STUB
-from ladder_ros.compiler.symbols import Element, pou_key, Ref, Scope, Symbols
+from ladder_ros.compiler.symbols import Element, is_data_slot, is_temporary, Ref, Scope, Symbols
 from ladder_ros.executable import ARITHMETIC_ERRORS, Slot, SlotClass
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.derived import leaves
@@ -20,6 +20,7 @@ from ladder_ros.model.program import (
     Composite,
     Direction,
     Parameter,
+    pou_key,
     Program,
     Variable,
     VariableClass,
@@ -88,7 +89,7 @@ def lay_out(
 
 
 def _io_class(variable: Variable) -> SlotClass:
-    """Return the slot class; a located variable is I/O whatever its class says (DESIGN 5)."""
+    """Return the slot class; a located variable is I/O whatever its class says."""
     if variable.variable_class is VariableClass.LOCAL:
         return _located_class(variable)
     return _CLASS[variable.variable_class]
@@ -192,19 +193,20 @@ class _Layout:
             # An edge of another variable is another memory: it must not survive an online change.
             # What a contact senses is a variable; a coil senses power, which nobody knows yet.
             sensed = instruction.operand if instruction.op not in (Op.STP, Op.STF) else None
+            edge = EDGES[instruction.op]
             self.add(
                 instruction.memory.path, DataType.BOOL, SlotClass.EDGE, False,
-                f'{instruction.op.value[-1]} edge of {instruction.operand}'.casefold(), quiet=True,
+                f'{edge} edge of {instruction.operand}'.casefold(), quiet=True,
                 senses=sensed.path if isinstance(sensed, Ref) else '',
-                negated=instruction.op.value[-1] == 'F')
+                negated=edge == 'F')
         for target in (instruction.target, instruction.operand):
-            if isinstance(target, Ref) and '%data' in target.path:
+            if isinstance(target, Ref) and is_data_slot(target):
                 self.add(target.path, target.type, SlotClass.SYSTEM, default_value(target.type))
         call = instruction.call
         if call is None:
             return
         for _, target in call.outputs:
-            if not isinstance(target, Element) and not target.path.startswith('%T'):
+            if not isinstance(target, Element) and not is_temporary(target.path):
                 self.add(target.path, target.type, SlotClass.SYSTEM, default_value(target.type))
         if instruction.op in (Op.EXE, Op.RUN):
             self.add(active_flag(call.instance).path, DataType.BOOL, SlotClass.SYSTEM, False,

@@ -14,7 +14,6 @@ from functools import lru_cache
 
 from ladder_ros.compiler.resolve_rung import RungResolver, suggestion
 from ladder_ros.compiler.symbols import (
-    pou_key,
     Ref,
     Resolved,
     Scope,
@@ -31,6 +30,7 @@ from ladder_ros.model.program import (
     Direction,
     Parameter,
     Pou,
+    pou_key,
     Program,
     Rung,
     Variable,
@@ -104,7 +104,7 @@ class _Resolver:
             for c in program.composites}
         shared = self._program_scope()
         for body in program.bodies:
-            scopes[f'body {body.name.casefold()}'] = replace(shared, pou=body.name)
+            scopes[pou_key(body)] = replace(shared, pou=body.name)
         same = {} if self.before is None else same_rungs(self.before, program, scopes)
         for pou in program.pous:
             if id(pou) in known:
@@ -193,8 +193,7 @@ class _Resolver:
         fixed = ''
         if parameter.direction is Direction.INPUT and not self.imported:
             fixed = 'it is an input parameter; make it inout if the composite must write it'
-        return _symbol(
-            name=parameter.name, type=parameter.type, is_parameter=True, why_fixed=fixed)
+        return _symbol(name=parameter.name, type=parameter.type, why_fixed=fixed)
 
     def _composite_scope(self, composite: Composite) -> Scope:
         taken: dict[str, Location] = {}

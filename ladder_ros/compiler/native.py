@@ -51,7 +51,7 @@ from ladder_ros.compiler.native_state import (
     SIGNATURE,
     TIME,
 )
-from ladder_ros.compiler.symbols import Element, Operand, Ref
+from ladder_ros.compiler.symbols import Element, is_temporary, Operand, Ref
 from ladder_ros.executable import Scan, Slot, State
 from ladder_ros.model.catalogue import CATALOGUE
 
@@ -119,7 +119,7 @@ def _written_order(routines: Sequence[Routine], slots: Mapping[str, int]) -> lis
                 elif instruction.op is not Op.FUN:
                     order.append(slots[active_flag(call.instance).path.casefold()])
             order += [slots[target.path.casefold()] for target in targets
-                      if isinstance(target, Ref) and not target.path.startswith('%T')]
+                      if isinstance(target, Ref) and not is_temporary(target.path)]
     return order
 
 

@@ -20,7 +20,7 @@ from ladder_ros.compiler.il import Call, Op
 from ladder_ros.compiler.imported import is_imported, needed_pous
 from ladder_ros.compiler.program_to_st import RELEASED, StWriter
 from ladder_ros.compiler.st_names import Identifiers, interface, Names
-from ladder_ros.compiler.symbols import is_address, pou_key
+from ladder_ros.compiler.symbols import is_address
 from ladder_ros.compiler.wires_in_rows import in_rows
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.catalogue import CATALOGUE
@@ -42,6 +42,7 @@ from ladder_ros.model.program import (
     Direction,
     Parameter,
     Pou,
+    pou_key,
     Program,
     Rung,
     RunKind,

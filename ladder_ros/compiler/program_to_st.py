@@ -12,13 +12,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from ladder_ros.compiler.access_keys import by_path
 from ladder_ros.compiler.il import Network, Op
 from ladder_ros.compiler.il_to_st import comment_line, StEmitter
 from ladder_ros.compiler.imported import needed_pous
-from ladder_ros.compiler.pipeline import analyse, build_trees, completed, lower, Stages
 from ladder_ros.compiler.st_names import Identifiers, interface, literal, Names, user_names
 from ladder_ros.compiler.st_to_iec import instruction_lines
-from ladder_ros.compiler.symbols import Operand, pou_key, Ref
+from ladder_ros.compiler.stages import analyse, build_trees, completed, lower, Stages
 from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.derived import (
@@ -34,7 +34,10 @@ from ladder_ros.model.program import (
     CallKind,
     Composite,
     Direction,
+    is_body_key,
+    name_of_key,
     Parameter,
+    pou_key,
     Program,
     RunKind,
     Variable,
@@ -451,8 +454,6 @@ def _external(variable: Variable) -> str:
     return 'VAR_EXTERNAL CONSTANT' if variable.constant else 'VAR_EXTERNAL'
 
 
-
-
 def _comment(text: str) -> Iterator[str]:
     if text:
         yield '(* ' + text.replace('*)', '* )').replace('(*', '( *') + ' *)'
@@ -475,9 +476,8 @@ def aliased_composites(
         changed = False
         for key, call in calls:
             name = call.name.casefold()
-            roots = [_root(operand) for _, operand in call.inputs]
-            roots = [root for root in roots if root]
-            outer = key.removeprefix('composite ') if key.startswith('composite ') else ''
+            roots = [root for _, operand in call.inputs if (root := by_path(operand))]
+            outer = '' if is_body_key(key) else name_of_key(key)
             shared = {n.casefold() for n in composites[name].externals}
             is_aliased = (len(set(roots)) < len(roots) or outer in found
                           or not shared.isdisjoint(roots)
@@ -486,9 +486,3 @@ def aliased_composites(
                 found.add(name)
                 changed = True
     return frozenset(found)
-
-
-def _root(operand: Operand) -> str:
-    if isinstance(operand, Ref):
-        return operand.path.casefold().partition('[')[0]
-    return ''

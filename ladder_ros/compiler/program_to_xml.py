@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from ladder_ros.compiler.pipeline import check_program, completed
+from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.stages import completed
 from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.model.program import Program
 from ladder_ros.source.model_to_xml import write_program

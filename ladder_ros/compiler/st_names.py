@@ -11,12 +11,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 import re
 
-from ladder_ros.compiler.symbols import is_address, pou_key, Ref, Scope
+from ladder_ros.compiler.symbols import is_address, is_temporary, Ref, Scope
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import Block, Instance
 from ladder_ros.model.derived import leaves
 from ladder_ros.model.names import KEYWORDS
-from ladder_ros.model.program import CallKind, Composite, Pou, Program
+from ladder_ros.model.program import CallKind, Composite, Pou, pou_key, Program
 from ladder_ros.model.types import DataType, default_value, format_literal, format_time, Value
 
 _MORE_WORDS = """
@@ -181,7 +181,7 @@ class Names:
             self.used.add(head[0].casefold())
             return self.identifiers.own(head[0]) + path[head.end():]
         key = self._key(path)
-        if path.startswith('%T'):
+        if is_temporary(path):
             key = f'{path}:{ref.type}'  # temporaries of several rungs share their numbers
         if key not in self._paths:
             self._paths[key] = self._new(path)

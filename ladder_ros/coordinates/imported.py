@@ -15,12 +15,12 @@ from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from ladder_ros.compiler.access_keys import access_key, AccessKey
-from ladder_ros.compiler.aov import Aov, Arc, reads_and_writes, SymbolVertex, VirtualVertex
+from ladder_ros.compiler.aov import Aov, Arc, NOT, reads_and_writes, SymbolVertex, VirtualVertex
 from ladder_ros.compiler.imported import lowering_of
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
-from ladder_ros.compiler.pipeline import completed
-from ladder_ros.compiler.symbols import author_path, Operand, pou_key, Ref, Symbols
-from ladder_ros.compiler.wires_to_aov import build_wired_aovs, NOT
+from ladder_ros.compiler.stages import completed
+from ladder_ros.compiler.symbols import author_path, Operand, Ref, Symbols
+from ladder_ros.compiler.wires_to_aov import build_wired_aovs
 from ladder_ros.compiler.wiring import Rail
 from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.diagnostics import has_errors, LadderError, Severity
@@ -35,7 +35,7 @@ from ladder_ros.model.component import (
     InVariable,
     OutVariable,
 )
-from ladder_ros.model.program import Body, Composite, Pou, Program, Rung, Wire
+from ladder_ros.model.program import Body, Composite, Pou, pou_key, Program, Rung, Wire
 
 BOX_WIDTH = 2
 """Columns of a block: two contacts above or below it have their places."""

@@ -19,7 +19,6 @@ from ladder_ros.compiler.access_keys import access_key
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
 from ladder_ros.compiler.resolve_rung import suggestion
-from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError
@@ -60,7 +59,15 @@ from ladder_ros.model.component import (
     Instance,
     Row,
 )
-from ladder_ros.model.program import Body, CallKind, Composite, Pou, Program, Rung
+from ladder_ros.model.program import (
+    Composite,
+    is_inline,
+    Pou,
+    pou_key,
+    Program,
+    Rung,
+    with_pou,
+)
 
 COLUMNS = 11
 """How wide a rung may become (paper 3: eleven columns, the last one for outputs and blocks)."""
@@ -98,17 +105,17 @@ def apply_edit(program: Program, edit: Edit, *, columns: int = COLUMNS) -> Edite
                 raise LadderError.of('L0624', rung.location, name=f'rung {rung.id}',
                                      reason=f'it is the only one of {pou.name}')
             rungs = tuple(r for r in pou.rungs if r is not rung)
-            return _checked(program, pou, replace(pou, rungs=rungs), Place(pou=pou.name))
+            return _checked(program, replace(pou, rungs=rungs), Place(pou=pou.name))
         case MoveRung():
             rung = _rung(pou, edit.rung)
             rungs = moved(pou.rungs, rung, _before(pou, edit.before))
-            return _checked(program, pou, replace(pou, rungs=rungs),
+            return _checked(program, replace(pou, rungs=rungs),
                             Place(pou=pou.name, rung=rung.id))
         case CopyRung():
             rung = _rung(pou, edit.rung)
             new = replace(copied(rung, pou), id=_rung_id(pou, edit.copy, rung))
             rungs = moved((*pou.rungs, new), new, _before(pou, edit.before))
-            return _checked(program, pou, replace(pou, rungs=rungs),
+            return _checked(program, replace(pou, rungs=rungs),
                             Place(pou=pou.name, rung=new.id))
         case AddSeries() | AddParallel() | AddOutput() | Delete() | Set():
             return _RungEditor(program=program, pou=pou, rung=_rung(pou, edit.rung),
@@ -155,32 +162,21 @@ def _rung_id(pou: Pou, wanted: str, like: Rung | None) -> str:
     return free_name('' if like is None or like.id.isdigit() else f'{like.id}_', taken)
 
 
-def _with_pou(program: Program, old: Pou, new: Pou) -> Program:
-    if isinstance(new, Body):
-        return replace(program, bodies=tuple(new if b is old else b for b in program.bodies))
-    return replace(program, composites=tuple(
-        new if c is old else c for c in program.composites))
-
-
-def _checked(program: Program, old: Pou, new: Pou, place: Place) -> Edited:
+def _checked(program: Program, pou: Pou, place: Place) -> Edited:
     """Return the changed program if all its names still mean something."""
-    changed = _with_pou(program, old, new)
+    changed = with_pou(program, pou)
     _raise_errors(resolve_symbols(changed)[1])
     return Edited(program=changed, place=place)
 
 
 def _with_rung(program: Program, pou: Pou, old: Rung, new: Rung) -> Edited:
     rungs = tuple(new if rung is old else rung for rung in pou.rungs)
-    return _checked(program, pou, replace(pou, rungs=rungs), Place(pou=pou.name, rung=new.id))
+    return _checked(program, replace(pou, rungs=rungs), Place(pou=pou.name, rung=new.id))
 
 
 def _raise_errors(found: Sequence[Diagnostic]) -> None:
     if has_errors(found):
         raise LadderError(found)
-
-
-def _ends_in_output(pou: Pou) -> bool:
-    return isinstance(pou, Body) or pou.call is not CallKind.INLINE
 
 
 def _is_output(component: Component) -> bool:
@@ -196,7 +192,7 @@ def _parameters(program: Program, part: Part) -> int:
 
 def _new_rung(program: Program, pou: Pou, edit: NewRung) -> Edited:
     component = made_component(edit.part, (), pou.location, _parameters(program, edit.part))
-    if not _is_output(component) and _ends_in_output(pou):
+    if not _is_output(component) and not is_inline(pou):
         raise LadderError.of('L0623', pou.location, name=component.id, reason=(
             'a new rung begins with its output'), remedy='give it a coil or a block')
     id = _rung_id(pou, edit.rung, None)
@@ -206,7 +202,7 @@ def _new_rung(program: Program, pou: Pou, edit: NewRung) -> Edited:
     rung = Rung(id=id, width=component.placement.width, components=(component,),
                 comment=checked_text(edit.comment, place), location=place)
     rungs = moved((*pou.rungs, rung), rung, _before(pou, edit.before))
-    return _checked(program, pou, replace(pou, rungs=rungs),
+    return _checked(program, replace(pou, rungs=rungs),
                     Place(pou=pou.name, rung=id, component=component.id))
 
 
@@ -254,7 +250,7 @@ class _RungEditor:
         symbols, found = resolve_symbols(self.program)
         _raise_errors(found)
         wiring, found = analyse_connections(
-            self.rung, ends_in_output=_ends_in_output(self.pou))
+            self.rung, ends_in_output=not is_inline(self.pou))
         _raise_errors(found)
         aov, found = build_aov(wiring, symbols.of_rung(pou_key(self.pou), self.rung.id))
         _raise_errors(found)
@@ -270,7 +266,7 @@ class _RungEditor:
         listed = replace(self.rung, components=components)
         pou = replace(self.pou, rungs=tuple(
             listed if rung is self.rung else rung for rung in self.pou.rungs))
-        program = _with_pou(self.program, self.pou, pou)
+        program = with_pou(self.program, pou)
         symbols, found = resolve_symbols(program)
         _raise_errors(found)
         aov = sketch.to_aov(self.rung.id, self.rung.comment,
@@ -280,10 +276,10 @@ class _RungEditor:
         if drawn.width > max(self.columns, self.rung.width):
             raise self.report('L0622', rung=self.rung.id, width=drawn.width, limit=self.columns)
         rung = replace(drawn, location=self.rung.location)
-        found = analyse_connections(rung, ends_in_output=_ends_in_output(self.pou))[1]
+        found = analyse_connections(rung, ends_in_output=not is_inline(self.pou))[1]
         _raise_errors(found)
         rungs = tuple(rung if one is listed else one for one in pou.rungs)
-        return Edited(program=_with_pou(program, pou, replace(pou, rungs=rungs)),
+        return Edited(program=with_pou(program, replace(pou, rungs=rungs)),
                       place=Place(pou=pou.name, rung=rung.id, component=name))
 
     # -- operations -------------------------------------------------------------------------------
@@ -371,7 +367,7 @@ class _RungEditor:
             raise self.report('L0624', component, name=component.id, reason=(
                 f'power is led to or from its pin {pin}: delete that first'))
         sketch.remove(target)
-        if _ends_in_output(self.pou):
+        if not is_inline(self.pou):
             sketch.drop_idle_lines()
 
     def _set(self, edit: Set) -> Edited:
@@ -404,7 +400,7 @@ class _RungEditor:
         self, sketch: Sketch, last: set[int], edit: AddSeries | AddParallel | AddOutput | Delete,
     ) -> None:
         """Refuse a rung without an output, and a branch that ends in a contact."""
-        if not _ends_in_output(self.pou):
+        if is_inline(self.pou):
             if not sketch.components:
                 raise self.report('L0624', name=edit.target, reason='the rung would be empty')
             if sketch.is_shorted:

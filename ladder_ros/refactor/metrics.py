@@ -42,8 +42,8 @@ from ladder_ros.model.component import (
     Row,
     Side,
 )
+from ladder_ros.model.places import operands_of
 from ladder_ros.model.program import Composite, Direction, Program, Rung
-from ladder_ros.refactor.places import operands_of
 
 DEFAULT_RUNS = 21
 """How often a program is loaded for the median."""

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-import os
 import re
 
 from ladder_ros.diagnostics import LadderError, Location, problem
@@ -53,7 +52,6 @@ from ladder_ros.source.xml_tree import (
     Element,
     Findings,
     parse_tree,
-    read_file,
     TooManyProblemsError,
 )
 
@@ -63,16 +61,11 @@ _WARNED = 'the warnings say why'
 _LANGUAGES = frozenset({'LD', 'FBD', 'ST', 'IL', 'SFC'})
 
 
-def read_project(path: str | os.PathLike[str]) -> Program:
-    """Read a project file.  Raises LadderError with what keeps it from being read."""
-    return parse_project(read_file(path), os.fspath(path))
-
-
 def parse_project(data: bytes, file: str = '') -> Program:
     """Read a project from the bytes of a file; ``file`` is its name in locations.
 
-    What was survived is in the program's ``warnings``.  Raises LadderError as
-    :func:`read_project` does.
+    What was survived is in the program's ``warnings``.  Raises LadderError with what keeps it
+    from being read.
     """
     findings = Findings()
     try:

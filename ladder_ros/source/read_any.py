@@ -27,7 +27,7 @@ from ladder_ros.source.xml_tree import read_file, root_element
 
 
 def read_any(path: str | os.PathLike[str]) -> Program:
-    """Read a program: our own XML, PLCopen TC6 XML, or the folder of an OpenPLC v4 project.
+    """Read a program: our own XML, PLCopen TC6 XML, Structured Text, or an OpenPLC v4 project.
 
     Raises LadderError with what keeps it from being read.
     """
@@ -40,7 +40,7 @@ def read_any(path: str | os.PathLike[str]) -> Program:
 
 @collected_later()
 def parse_any(data: bytes, file: str = '') -> Program:
-    """Read a program from the bytes of an XML file; ``file`` is its name in locations."""
+    """Read a program from the bytes of one file; ``file`` is its name in locations."""
     if is_st(data):
         if is_drawn_pou(data):
             raise LadderError.of('L0153', Location(file=file, line=1), name=Path(file).name)
