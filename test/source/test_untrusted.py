@@ -145,6 +145,21 @@ def test_file_when_it_passes_a_limit_then_is_refused_and_the_limit_named(
     assert len(str(found)) < 1000
 
 
+@pytest.mark.parametrize(('limit', 'most', 'place'), [
+    ('MAX_COMPONENTS', 3, (3, (3, 0))), ('MAX_CELLS', 4, (2, (2, 0))),
+    ('MAX_CELLS', 9, (3, (3, 0))),
+])
+def test_limit_when_a_component_passes_it_then_the_error_is_at_its_line_and_cell(
+    limit: str, most: int, place: tuple[int, tuple[int, int]], monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(grammar, limit, most)
+    found = refusal(rung(''.join(
+        f'<row id="r{x}" x="{x}" y="0" height="{x + 1}"/>' for x in range(2))
+        + '\n<row id="r2" x="2" y="0" height="3"/>\n<row id="r3" x="3" y="0" height="4"/>'))
+    assert (found.code, (found.location.line, found.location.cell)) == ('L0107', place)
+    assert (found.location.pou, found.location.rung) == ('m', '1')
+
+
 @pytest.mark.parametrize('text', [
     b'<a ' + b'b' * 5_000_000, b'<!--' * 1_000_000, b'<' * 5_000_000, b'\n' * 16_000_000,
     b'<!DOCTYPE' * 1_000_000, b'<?' * 5_000_000, b'&' * 1_000_000,
