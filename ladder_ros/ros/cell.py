@@ -231,7 +231,8 @@ class Cell:
                 raise LadderError.of(
                     'L0604', parameter_place('forces'), text, name='forces',
                     expected='write name=value, for example motor=FALSE')
-            slot = find_slot(self.session.executable, name.strip())
+            slot = find_slot(
+                self.session.executable, name.strip(), parameter_place('forces'))
             if slot.path in wanted:
                 raise LadderError.of(
                     'L0604', parameter_place('forces'), text, name='forces',

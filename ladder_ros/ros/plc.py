@@ -275,7 +275,8 @@ class Plc:
             raise no_program(request)
         if not self._live['candidate']:
             return self._cell.path
-        return next_program(self._live['candidate'], self._folders, self._cell.path)
+        return next_program(
+            self._live['candidate'], self._folders, self._cell.path, 'candidate')
 
     def _refuse_in_test(self, request: str) -> None:
         if self._cell.session.in_test:
@@ -362,7 +363,7 @@ class Plc:
 
     def _check_candidate(self, name: str) -> None:
         if name:
-            next_program(name, self._folders, self._cell.path or self._wanted)
+            next_program(name, self._folders, self._cell.path or self._wanted, 'candidate')
 
     def _check_forces(self, texts: Sequence[str]) -> None:
         if self._cell.session.loaded is not None:
