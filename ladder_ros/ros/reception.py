@@ -112,30 +112,33 @@ class Input:
             self.state.fresh_at = now
         self.enter()
 
-    def watch(self, now: int) -> None:
-        """Notice after a scan at ``now`` that messages stay away, or come again."""
+    def watch(self, now: int) -> bool:
+        """Notice after a scan at ``now`` that messages stay away, or come again: whether so."""
         state = self.state
         received = state.received
         if received > state.seen:
             state.seen = received
             state.fresh_at = now
             if not state.stale:
-                return
+                return False
             with state.lock:
                 state.stale = False
                 if state.value is not None:  # the fallback may have been written over it
                     self.write(state.value)
                 self._tell()
+            return True
         elif state.fresh_at is None:
             state.fresh_at = now
         elif not state.stale and now - state.fresh_at >= self.point.timeout:
             with state.lock:
                 if state.received > state.seen:
-                    return  # just in time
+                    return False  # just in time
                 state.stale = True
                 if self.point.fallback is not None:
                     self.write(self.point.fallback)
                 self._tell()
+            return True
+        return False
 
     def _tell(self) -> None:
         """Bring the stale contact up to date."""
