@@ -356,6 +356,26 @@ def test_executable_when_nobody_has_it_then_its_code_is_freed_without_a_collecti
         gc.enable()
 
 
+def test_program_when_it_runs_as_native_code_then_python_s_is_freed_and_can_be_had_again(
+    compiler: CompilerProcess,
+) -> None:
+    pytest.importorskip('llvmlite', reason='native code needs llvmlite')
+    data = write_program(program_of(flat_plant(40))).encode()
+    far = compiler.compile(data, 'a.xml', backend='native').executable
+    assert far.faster is not None
+    cycle = ScanCycle(far)
+    entry = cycle.prepared(Variant())['main']
+    function = weakref.ref(entry._function)  # type: ignore[attr-defined]
+    del entry
+    form = far.faster()
+    before = cycle.move_to(form, form.make_state(far.initial_state()))
+    assert function() is not None  # freed by who has the time
+    del before
+    assert function() is None
+    near = compile_program(parse_program(data, 'a.xml')).executable
+    assert states(far) == states(near)
+
+
 def test_reload_when_a_program_runs_then_no_scan_is_lost_and_state_is_kept(
     tmp_path: Path,
 ) -> None:

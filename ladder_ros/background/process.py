@@ -64,7 +64,7 @@ class _Build:
         self.key = key
         data, self.file, self._backend, self._hash = source
         self._data = zlib.compress(data)
-        self._code = code
+        self._code: Mapping[str, Scan] | None = code
 
     @property
     def source(self) -> Source:
@@ -72,9 +72,14 @@ class _Build:
         return zlib.decompress(self._data), self.file, self._backend, self._hash
 
     def __call__(self, variant: Variant) -> Mapping[str, Scan]:
-        if variant == Variant():
-            return self._code
+        code = self._code
+        if code is not None and variant == Variant():
+            return code
         return self.process.build(self, variant)
+
+    def let_go(self) -> None:
+        """Keep the plain functions no longer; the process builds them again if need be."""
+        self._code = None
 
 
 class _Faster:
@@ -85,6 +90,7 @@ class _Faster:
 
     def __call__(self) -> Form:
         program, rest, objects = self._program.process.native(self._program)
+        self._program.let_go()
         return Form(
             functions=load_native(program, objects, rest), make_state=StateForm(program.layout),
             adapt=lambda functions: {body: on_values(scan) for body, scan in functions.items()})

@@ -91,11 +91,14 @@ class EventTables:
         self._arrays = [window_starts, windows, own, outer, rows.pairs, timer_starts, timers,
                         shared]
 
-    def bind(self, functions: Sequence[int], ticks: Sequence[int], full: int) -> BoundTables:
-        """Return the tables with the addresses of the chunks, ticks, and a scan of everything."""
-        numbers = [self._count, self._size, self._bitmap, self._shadow, self._outside, full]
-        return BoundTables(numbers, [array('q', functions), array('q', ticks), *self._arrays],
-                           self._shadow + self._size)
+    def bind(self, full: int, chunks: int, ticks: int) -> BoundTables:
+        """Return the tables with addresses: of a scan of everything, and of tables of functions.
+
+        Those are the chunks and their ticks.
+        """
+        numbers = [self._count, self._size, self._bitmap, self._shadow, self._outside, full,
+                   chunks, ticks]
+        return BoundTables(numbers, self._arrays, self._shadow + self._size)
 
 
 class _Rows:

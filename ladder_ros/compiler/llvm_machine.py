@@ -8,7 +8,7 @@ when the text is made, and FastISel then gives the code of the optimiser in a te
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 import ctypes
 import ctypes.util
 from functools import cache
@@ -25,12 +25,16 @@ def _llvm() -> Any:
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     llvm.set_option('ladder_ros', '-fast-isel')
-    for name in ('sin', 'cos', 'tan', 'asin', 'acos', 'atan', 'exp', 'log', 'log10', 'pow'):
-        if not llvm.address_of_symbol(name):
-            library = ctypes.CDLL(ctypes.util.find_library('m'))
-            address = ctypes.cast(getattr(library, name), ctypes.c_void_p).value
-            llvm.add_symbol(name, address)
     return llvm
+
+
+@cache
+def _functions_of_c() -> Mapping[str, int]:
+    """Return where the functions are that native code calls for REALs, by name."""
+    library = ctypes.CDLL(ctypes.util.find_library('m'))
+    places = {name: ctypes.cast(getattr(library, name), ctypes.c_void_p).value for name in (
+        'sin', 'cos', 'tan', 'asin', 'acos', 'atan', 'exp', 'log', 'log10', 'pow')}
+    return {name: place for name, place in places.items() if place}
 
 
 @cache
@@ -61,7 +65,8 @@ def _identity() -> str:
     llvm = _llvm()
     return ' '.join((
         llvmlite.__version__, str(llvm.llvm_version_info), llvm.get_default_triple(),
-        llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten(), 'fast-isel pic small 1'))
+        llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten(),
+        'fast-isel pic small nounwind 1'))
 
 
 def make_object(text: str, cached: ObjectCache | None = None) -> bytes:
@@ -72,6 +77,8 @@ def make_object(text: str, cached: ObjectCache | None = None) -> bytes:
         if found is not None:
             return found
     module = _llvm().parse_assembly(text)
+    for function in module.functions:  # else there are tables for exceptions, which nobody throws
+        function.add_function_attribute('nounwind')
     made: bytes = _machine().emit_object(module)
     if cached is not None:
         cached.write(key, made)
@@ -81,17 +88,31 @@ def make_object(text: str, cached: ObjectCache | None = None) -> bytes:
 class Linked:
     """Object code in memory, ready to be called; freed with the last one who has it."""
 
-    def __init__(self, objects: Iterable[bytes]) -> None:
-        """Link objects that may refer to each other."""
+    def __init__(self, objects: Iterable[bytes], symbols: Iterable[str]) -> None:
+        """Link objects that may refer to each other; the ``symbols`` are functions of theirs.
+
+        Nothing but the code is kept: no object, no names, no tables for unwinding.
+        """
         llvm = _llvm()
-        self._engine = llvm.create_mcjit_compiler(
-            llvm.parse_assembly(''), llvm.Target.from_default_triple().create_target_machine())
+        # One of its own for each program: an engine never forgets what it has linked.
+        self._engine = llvm.create_lljit_compiler(use_jit_link=True)
+        library = llvm.JITLibraryBuilder().add_current_process()  # memcpy, say
+        for name, place in _functions_of_c().items():
+            library.import_symbol(name, place)
         for data in objects:
-            self._engine.add_object_file(llvm.ObjectFileRef.from_data(data))
-        self._engine.finalize_object()
+            library.add_object_img(data)
+        for symbol in symbols:
+            library.export_symbol(symbol)
+        self._library = library.link(self._engine, 'program')
+
+    def function(self, symbol: str, *arguments: Any) -> Callable[..., int]:
+        """Return a function that returns an i8; without types, arguments are not converted."""
+        function = ctypes.CFUNCTYPE(ctypes.c_int8, *arguments)(self.address(symbol))
+        if not arguments:
+            function.argtypes = None  # type: ignore[assignment]
+        return function
 
     def address(self, symbol: str) -> int:
-        """Return where a function is."""
-        found: int = self._engine.get_function_address(symbol)
-        assert found, symbol
+        """Return where a function is, one of the symbols."""
+        found: int = self._library[symbol]
         return found

@@ -11,11 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from contextlib import suppress
-import ctypes
 from dataclasses import dataclass, field, replace
 import hashlib
 from itertools import groupby
-from typing import Any
 
 from ladder_ros.compiler.event_kernel import BoundTables, EventTables, KERNEL, NO_TICK, SYMBOL
 from ladder_ros.compiler.il import (
@@ -72,13 +70,11 @@ _CHUNKS = 32
 class Part:
     """A part of a body: a native function's symbol, or networks that Python runs.
 
-    ``chunks`` are the functions that a native one calls, and ``ticks`` theirs; ``tables`` say what
-    they do, if there are so many of them that it pays to leave some out.
+    ``tables`` say what the chunks do that it calls, if there are so many of them that it pays to
+    leave some out.
     """
 
     symbol: str = ''
-    chunks: tuple[str, ...] = ()
-    ticks: tuple[str, ...] = ()
     tables: EventTables | None = None
     networks: tuple[Network, ...] = ()
 
@@ -297,13 +293,16 @@ class _Emitter:
             self.drivers.append(self.driver(symbol, functions))
             if self.lanes == 1:
                 self.drivers.append(_entry(symbol))
+            if not follows:
+                yield Part(symbol=symbol)
+                continue
+            self.drivers += [
+                _places(chunks_symbol(symbol), [function.symbol for function in functions]),
+                _places(ticks_symbol(symbol), [
+                    function.tick.symbol if function.tick else NO_TICK for function in functions])]
             activities = [function.chunk.activity for function in functions]
-            yield Part(
-                symbol=symbol, chunks=tuple(function.symbol for function in functions),
-                ticks=tuple(function.tick.symbol if function.tick else NO_TICK
-                            for function in functions),
-                tables=EventTables(activities, self.memory.layout, self.own_times)
-                if follows else None)
+            yield Part(symbol=symbol, tables=EventTables(
+                activities, self.memory.layout, self.own_times))
 
     def fault(self, network: Network | GroupCode) -> str:
         """Return why a network is not native, or ''."""
@@ -396,10 +395,10 @@ class _Emitter:
             part = functions[start:start + _CHUNKS]
             needs = dict.fromkeys(need for function in part for need in function.chunk.needs)
             yield '\n'.join((*needs, *(function.text(self.lanes) for function in part)))
-        for groups in self.groups.values():
-            yield from dict.fromkeys(code.module for _, code in groups)
-        declared = [
-            f'declare i8 @{function.symbol}({parameters(self.lanes)})' for function in functions]
+        yield from dict.fromkeys(
+            code.module for groups in self.groups.values() for _, code in groups)
+        declared = [f'declare i8 @{symbol}({parameters(self.lanes)})'
+                    for symbol in (*(function.symbol for function in functions), NO_TICK)]
         yield '\n'.join((*declared, *self.drivers))
 
 
@@ -419,6 +418,22 @@ def _entry(symbol: str) -> str:
 def entry_symbol(symbol: str) -> str:
     """Return the name of the function by which Python calls a body."""
     return f'{symbol}_entry'
+
+
+def chunks_symbol(symbol: str) -> str:
+    """Return the name of the table of the functions that a part's function calls."""
+    return f'{symbol}_chunks'
+
+
+def ticks_symbol(symbol: str) -> str:
+    """Return the name of the table of their ticks."""
+    return f'{symbol}_ticks'
+
+
+def _places(name: str, functions: Sequence[str]) -> str:
+    """Return a table of the addresses of functions."""
+    places = ', '.join(f'ptr @{function}' for function in functions)
+    return f'@{name} = constant [{len(functions)} x ptr] [{places}]'
 
 
 def _may_fail(instruction: Instruction) -> bool:
@@ -464,15 +479,15 @@ def load_native(
 
     ``by_events`` leaves out what cannot change (see `event_kernel`); else all is executed always.
     """
-    linked = Linked(objects)
+    linked = Linked(objects, {
+        symbol for parts in program.parts.values() for part in parts
+        for symbol in _symbols_of(part, by_events)})
 
     def part_scan(part: Part) -> _PartScan:
-        if not by_events or part.tables is None:
-            return _native_part(_CALLED(linked.address(entry_symbol(part.symbol))), linked)
-        bound = part.tables.bind(
-            [linked.address(symbol) for symbol in part.chunks],
-            [linked.address(symbol) for symbol in part.ticks], linked.address(part.symbol))
-        return _native_part(_CALLED(linked.address(SYMBOL)), linked, bound)
+        entry, *others = _symbols_of(part, by_events)
+        given = [linked.address(symbol) for symbol in others]
+        bound = part.tables.bind(*given) if part.tables is not None and given else None
+        return _native_part(linked.function(entry), linked, bound)
 
     def scan_of(body: str, parts: Sequence[Part]) -> Scan:
         steps = [
@@ -483,14 +498,19 @@ def load_native(
     return {body: scan_of(body, parts) for body, parts in program.parts.items()}
 
 
-_CALLED = ctypes.CFUNCTYPE(ctypes.c_int8)
+def _symbols_of(part: Part, by_events: bool) -> list[str]:
+    """Return what is called for a part, and what is given to it if that is the kernel."""
+    if not part.symbol:
+        return []
+    if not by_events or part.tables is None:
+        return [entry_symbol(part.symbol)]
+    return [SYMBOL, part.symbol, chunks_symbol(part.symbol), ticks_symbol(part.symbol)]
 
 
 def _native_part(
-    step: Any, linked: Linked, owner: BoundTables | None = None,
+    step: Callable[..., int], linked: Linked, owner: BoundTables | None = None,
 ) -> _PartScan:
     """Return what calls a native function; its ``owner`` are the tables that it uses."""
-    step.argtypes = None  # what it is called with needs no conversion
     number = PLAIN if owner is None else owner.number
 
     def scan(

@@ -297,10 +297,13 @@ class Controller:
                     lambda: self._programs.accept(self._loaded('accepting'))):
                 raise _no_test('accepting')
 
-    def move_to(self, executable: Executable, form: Form) -> None:
-        """Let a program go on in a faster form between two scans, if it is still there."""
+    def move_to(self, executable: Executable, form: Form) -> object:
+        """Let a program go on in a faster form between two scans, if it is still there.
+
+        Returns what is to be freed, which may take long.
+        """
         state = form.make_state(executable.initial_state())
-        self._turns.boundary(lambda: self._programs.move_to(executable, form, state))
+        return self._turns.boundary(lambda: self._programs.move_to(executable, form, state))
 
     def run_shadow(self, shadow: Shadow) -> None:
         """Let another program scan along; replaces one that does so already."""
@@ -484,10 +487,8 @@ class Controller:
             self._set_state(ControllerState.STOPPED)
 
     def _scan(self, now: int, lateness: int, missed: int) -> bool:
-        """Run one scan and tell the listeners; return False after a fault.
-
-        All in one, since it begins with nothing in the caches: what is rare is elsewhere.
-        """
+        """Run one scan and tell the listeners; return False after a fault."""
+        # All in one: after a sleep nothing is in the processor's caches, and a call takes 5 us.
         programs, turns, supervisor = self._programs, self._turns, self._supervisor
         if turns.waiting:
             turns.give_way()
@@ -545,8 +546,7 @@ class Controller:
     def _give_up(self, error: LadderError) -> None:
         """Leave the scan thread to itself: its scan will not end; in the supervisor's thread."""
         self._turns.lost = error
-        self._fault = fault_of(
-            ProgramFault('', error), '', self._recorder.scans, self._due)
+        self._fault = fault_of(ProgramFault('', error), '', self._recorder.scans, self._due)
         self._set_state(ControllerState.FAULTED)
 
     def _set_state(self, state: ControllerState) -> None:

@@ -35,9 +35,10 @@ class _Errand(Generic[_T]):
             self.done.set()
 
     def result(self) -> _T:
+        """Return the result, once: who asked is then the only one who has it."""
         if self.error is not None:
             raise self.error
-        return self.results[0]
+        return self.results.pop()
 
 
 class Errands:

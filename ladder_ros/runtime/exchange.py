@@ -151,13 +151,17 @@ class Exchange:
         if why and cycle is not None:
             self.go_back(cycle, why)
 
-    def move_to(self, executable: Executable, form: Form, state: State) -> None:
-        """Let a program go on in a faster form, in ``state``; nothing if it is not there."""
+    def move_to(self, executable: Executable, form: Form, state: State) -> object:
+        """Let a program go on in a faster form, in ``state``; nothing if it is not there.
+
+        Returns what is to be freed.
+        """
         for cycle in (self.cycle, self.trial.old if self.trial is not None else None):
             if cycle is not None and cycle.executable is executable:
-                cycle.move_to(form, state)
+                rest = cycle.move_to(form, state)
                 self._listeners.tell_news()
-                return
+                return rest
+        return None
 
     def accept(self, tried: ScanCycle) -> bool:
         """End a test with the new program; say whether there was one."""

@@ -23,7 +23,8 @@ def speed_up(controller: Controller, executable: Executable) -> None:
     def work() -> None:
         try:
             with giving_way(controller.interval):
-                controller.move_to(executable, make())
+                before = controller.move_to(executable, make())
+                del before  # here: the scan thread is in a hurry
         except Exception as error:
             controller.note_error(error)
 

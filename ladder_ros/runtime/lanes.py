@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from ladder_ros.executable import Executable, LANES, Lanes, Slot
+from ladder_ros.executable import Executable, LaneChange, LANES, Lanes, Slot
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.simulation import Simulation
 from ladder_ros.runtime.tasks import make_tasks
@@ -60,12 +60,9 @@ class Campaign:
         state, functions = lanes.state, lanes.functions
         tasks = make_tasks(self.executable)[0]
         once = [entry.name for entry in self.executable.entries if entry.once]
-        indices = [slot.index for slot in self.slots]
-        found: list[Rows] = [[] for _ in tables]
-        for number in range(self.scans):
-            for lane, table in enumerate(tables):
-                for index, value in table.rows[number] if number < len(table.rows) else ():
-                    state.write(index, lane, value)
+        watched = [(slot.index, list[object]()) for slot in self.slots]
+        for number, changes in enumerate(self._changes(tables)):
+            state.write(changes)
             now = number * self.interval_ns
             for name in once if number == 0 else ():
                 functions[name](state, now)
@@ -73,8 +70,19 @@ class Campaign:
                 if number % max(task.ratio, 1) == 0:
                     for name in task.bodies:
                         functions[name](state, now)
-            columns = [state.row(index) for index in indices]
-            rows = list(zip(*columns, strict=True)) if columns else [()] * LANES
-            for lane, kept in enumerate(found):
-                kept.append(rows[lane])
+            for index, rows in watched:
+                rows.append(state.row(index))
+        if not (watched and self.scans):
+            return [[()] * self.scans for _ in tables]
+        lanes_of = [state.by_lane(index, rows) for index, rows in watched]
+        return [list(zip(*columns, strict=True))
+                for _, columns in zip(tables, zip(*lanes_of, strict=True), strict=False)]
+
+    def _changes(self, tables: Sequence[InputTable]) -> list[list[LaneChange]]:
+        """Return for each scan what all tables write before it."""
+        found: list[list[LaneChange]] = [[] for _ in range(self.scans)]
+        for lane, table in enumerate(tables):
+            for changes, row in zip(found, table.rows, strict=False):
+                if row:
+                    changes += [(index, lane, value) for index, value in row]
         return found

@@ -141,6 +141,8 @@ class ScanCycle:
 
     def prepared(self, variant: Variant) -> Functions:
         """Build a variant, or take it from the cache: a later switch to it takes no time."""
+        if self.form is not None and variant == Variant():
+            return self.form.functions
         functions = self._variants.get(variant)
         if functions is None:
             functions = self.executable.build(variant)
@@ -150,18 +152,19 @@ class ScanCycle:
             self._variants[variant] = functions
         return functions
 
-    def move_to(self, form: Form, state: State) -> None:
+    def move_to(self, form: Form, state: State) -> object:
         """Go on in a faster form, in ``state``, one of that form; takes little time.
 
-        Not while it scans.  What it computes stays the same.
+        Not while it scans.  What it computes stays the same.  Returns what is not needed any
+        more, for who has the time to free it.
         """
         self.image.take_form(form, state)
-        self._variants = {
+        before, self._variants = self._variants, {
             variant: dict(form.adapt(functions))
-            for variant, functions in self._variants.items()}
-        self._variants[Variant()] = dict(form.functions)
+            for variant, functions in self._variants.items() if variant != Variant()}
         self.form = form
         self._functions = self.prepared(self.variant)
+        return before
 
     def write(self, index: int, value: Value, *, catch_pulse: bool = False) -> None:
         """Give a variable a value before the next scan.  For any thread.
@@ -222,7 +225,7 @@ class ScanCycle:
         are due now.  ``lateness`` is how much after its deadline the scan begins.  Times in ns.
         Raises ProgramFault if the program fails; the state is then as the failure left it.
         """
-        # Few calls: after a sleep nothing is in the processor's caches, and each takes 5 us.
+        # Few calls, for the reason that the controller has, too.
         self.now = now = now - self.offset
         self._current = None
         timer, functions, image = self._timer, self._functions, self.image

@@ -52,6 +52,7 @@ def assert_each_as_alone(program: Program, count: int, scans: int = 30, seed: in
     return native.lanes() is not None
 
 
+@pytest.mark.usefixtures('processor')
 @pytest.mark.parametrize('seed', range(8))
 def test_copies_when_a_program_is_random_then_each_does_what_it_does_alone(seed: int) -> None:
     assert_each_as_alone(random_case(random.Random(seed)).program, 5, scans=15, seed=seed)
