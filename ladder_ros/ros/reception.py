@@ -188,7 +188,7 @@ class Source:
     def feed(self, inputs: Iterable[Input]) -> None:
         """Hand messages to these variables from now on, by another ``receive``."""
         owners: dict[Steps, list[Input]] = {}
-        for item in inputs:
+        for item in sorted(inputs, key=lambda item: item.point.slot.index):
             owners.setdefault(item.point.field.steps[:-1], []).append(item)
         items = [item for fed in owners.values() for item in fed]
         with self.lock:
@@ -200,7 +200,7 @@ class Source:
                     (picker(item.point.field), item.point.conversion.decode, item)
                     for item in fed))
                 for steps, fed in owners.items())
-            self._indices = tuple(item.point.slot.index for item in items)
+            self._indices = in_a_row([item.point.slot.index for item in items])
             self._pulses = pulses_of(item.point for item in items)
             stores = {item.store for item in items}
             read = row_reader([
@@ -255,6 +255,12 @@ class Source:
             for store, good in taken.items():
                 store([point.slot.index for point, _ in good], [value for _, value in good],
                       pulses_of(point for point, _ in good))
+
+
+def in_a_row(indices: Sequence[int]) -> Sequence[int]:
+    """Return slots as a range if they lie side by side: such a row is written in one go."""
+    row = range(indices[0], indices[0] + len(indices)) if len(indices) > 1 else range(0)
+    return row if list(row) == list(indices) else tuple(indices)
 
 
 def pulses_of(points: Iterable[InputPoint]) -> Collection[int]:

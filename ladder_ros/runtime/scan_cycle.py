@@ -25,7 +25,6 @@ from ladder_ros.runtime.tasks import (
 )
 
 _CACHED_VARIANTS = 8
-_NOTHING: Mapping[int, Value] = {}
 
 Functions = Mapping[str, Scan]
 
@@ -92,8 +91,7 @@ class ScanCycle:
         """The program's time of the last scan."""
         self.began = self.ended = 0
         """When the last scan began and ended by the timer, in ns; 0 without one."""
-        self.taken: Mapping[int, Value] = {}
-        """What the last scan found written to it, by slot."""
+        self._has_taken = False
         self.executed = 0
         """How many instructions the last scan executed."""
         self._once = tuple(entry.name for entry in executable.entries if entry.once)
@@ -109,6 +107,11 @@ class ScanCycle:
     def state(self) -> State:
         """The values of all slots."""
         return self.image.state
+
+    @property
+    def taken(self) -> Mapping[int, Value]:
+        """What the last scan found written to it, by slot."""
+        return self.image.taken() if self._has_taken else {}
 
     @property
     def variant(self) -> Variant:
@@ -231,10 +234,11 @@ class ScanCycle:
         timer, functions, image = self._timer, self._functions, self.image
         start = self.began = timer() if timer is not None else 0
         if image.pending.some:
-            self.taken = image.freeze()
+            image.freeze()
+            self._has_taken = True
             start = timer() if timer is not None else 0
         else:
-            self.taken = _NOTHING
+            self._has_taken = False
         state, observed, began = image.state, self.power is not None, start
         executed = 0
         if not self._started:
