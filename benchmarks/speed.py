@@ -54,7 +54,7 @@ from ladder_ros.runtime.trace_csv import InputTable  # noqa: E402
 from ladder_ros.source.model_to_xml import write_program  # noqa: E402
 from ladder_ros.source.read_any import parse_any  # noqa: E402
 
-NODE_ROUNDS = 4
+NODE_ROUNDS = 10
 
 
 # -- scans ---------------------------------------------------------------------------------------
@@ -223,15 +223,15 @@ def node() -> Iterator[Figure]:
     ros_latency.stay_on_this_host()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for row in chain(ros_latency.measure_topics(NODE_ROUNDS, 2.0, folder),
-                         ros_latency.measure_packed(NODE_ROUNDS, 2.0, folder)):
+        for row in chain(ros_latency.measure_topics(NODE_ROUNDS, ros_latency.TURN, folder),
+                         ros_latency.measure_packed(NODE_ROUNDS, ros_latency.TURN, folder)):
             what = 'processor time' if row['figure'] == 'cpu_percent' else 'latency'
             packed = ', packed' if row['packed'] else ''
             yield Figure(
                 what=f'node, {row["inputs"]} inputs{packed}: {what} over a bare node',
                 value=f'{row["ratio"]}x [{row["spread"]}]', target=f'{row["target"]}x',
                 met=row['verdict'] == 'met')
-        for row in ros_latency.measure_jitter(NODE_ROUNDS, 2.0, folder):
+        for row in ros_latency.measure_jitter(NODE_ROUNDS, ros_latency.TURN, folder):
             what = f'1000 rungs every ms, 100 inputs, {row["scans"]}'
             if row['scans'] == 'bare':
                 yield Figure(what='bare thread: over in time', value=f'{row["in_time"]}%')
