@@ -368,7 +368,9 @@ class Executable:
 
     def pieces(self) -> list[Sequence[object]]:
         """Return all that there are many of, for who frees a program little by little."""
-        found: list[Sequence[object]] = [tuple(self.by_path)]
+        found: list[Sequence[object]] = []
+        if isinstance(self.by_path, dict):
+            found.append(tuple(self.by_path))
         for items in (self.slots, self.components, self.rungs):
             for made in items.made() if isinstance(items, Later) else [items]:
                 found += made.unpacked() if isinstance(made, Parts) else [made]

@@ -11,6 +11,7 @@ import signal
 import threading
 import time
 import weakref
+import zlib
 
 import pytest
 from support.plants import flat_plant, program_of
@@ -203,10 +204,11 @@ def test_compile_when_a_file_has_changed_again_and_again_then_each_version_is_it
 
 def test_worker_when_it_rests_then_it_lets_its_work_go_and_still_answers() -> None:
     data = PROGRAMS[0].read_bytes()
+    other = data.replace(b'<body', b'\n<body')
     worker = Worker()
-    requests = [('compile', 'one', 'a.xml', 'python', '', data), ('components', 'one'),
-                ('variant', 'one', Variant(observed=True)),
-                ('compile', 'two', 'a.xml', 'python', '', data.replace(b'<body', b'\n<body'))]
+    requests = [('compile', 'one', 'a.xml', 'python', '', zlib.compress(data)),
+                ('components', 'one'), ('variant', 'one', Variant(observed=True)),
+                ('compile', 'two', 'a.xml', 'python', '', zlib.compress(other))]
     answers = [list(worker.answer(request)) for request in requests]
     worker.rest()
     assert worker.work() == []
@@ -217,7 +219,8 @@ def test_worker_when_programs_are_compiled_then_it_keeps_the_work_of_few_rungs()
     worker = Worker(most_rungs=150)
     for number, count in enumerate((60, 60, 60, 140, 160)):
         data = write_program(program_of(flat_plant(count, seed=number))).encode()
-        list(worker.answer(('compile', str(number), 'a.xml', 'python', '', data)))
+        list(worker.answer(
+            ('compile', str(number), 'a.xml', 'python', '', zlib.compress(data))))
         kept = [len(work.program.bodies[0].rungs) for work in worker.work()]
         assert kept == {60: [60, 60][-number - 1:], 140: [140], 160: []}[count]
 

@@ -17,6 +17,7 @@ import pickle
 import select
 import sys
 from typing import Any
+import zlib
 
 from ladder_ros.background.frames import receive, send
 from ladder_ros.background.packing import (
@@ -40,7 +41,7 @@ from ladder_ros.source.read_any import again_from, parse_next
 from ladder_ros.source.xml_again import Reading
 
 WITH_DATA = ('compile', 'learn')
-"""Requests after which a program file's bytes come."""
+"""Requests after which a program file's bytes come, deflated."""
 _KEPT = 4
 """Programs."""
 _KEPT_WORK = 2
@@ -74,7 +75,7 @@ class Worker:
         """Yield the frames of an answer.
 
         The requests: ``('compile', key, file, backend, hash)``, to which the next frame, the
-        file's bytes, is appended; ``learn``, the same without the program in the answer;
+        file's bytes deflated, is appended; ``learn``, the same without the program in the answer;
         ``('variant', key, Variant)``; ``('transition', key, key)``;
         ``('compare', key, key, forces)``; ``('native', key)`` for all of the native form but its
         object code, which ``('object', key, number)`` makes of each of its modules;
@@ -140,9 +141,8 @@ class Worker:
     def _compile(self, key: str, source: Any, *, tell: bool) -> Iterator[bytes]:
         known = self._known.get(key)
         if known is None:
-            file, backend, source_hash, data = source
             try:
-                compilation = self._compiled(data, file, backend, source_hash)
+                compilation = self._compiled(*source)
                 known = _Known(compilation=compilation, frames=(
                     *pack_layout(compilation.executable),
                     *pack_code(compilation.first(Variant()))))
@@ -161,14 +161,14 @@ class Worker:
             yield from known.frames
 
     def _compiled(
-        self, data: bytes, file: str, backend: str, source_hash: str,
+        self, file: str, backend: str, source_hash: str, packed: bytes,
     ) -> Compilation:
         """Compile a program: what it does not share with the last one."""
         before, work = self._made[-1] if self._made else (None, None)
-        reading = parse_next(data, file, before)
+        reading = parse_next(zlib.decompress(packed), file, before)
         compilation = compile_program(
             reading.program, backend=backend, source_hash=source_hash, earlier=work,
-            moved=reading.moved, again=again_from(reading.program, data, file))
+            moved=reading.moved, again=again_from(reading.program, packed, file))
         assert compilation.work is not None
         len(compilation.work.rungs)  # comparing needs them, and the last program's are at hand
         self._made.append((reading, compilation.work))
