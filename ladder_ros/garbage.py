@@ -1,6 +1,6 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""Python's collector of cyclic garbage, and what works against its assumptions."""
+"""Memory: what works against the collector's assumptions, what is given back, what there is."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from contextlib import contextmanager
 import ctypes
 from functools import cache
 import gc
+from pathlib import Path
+import re
 from typing import Any
 
 
@@ -50,3 +52,17 @@ def _trim() -> Any:
         return ctypes.CDLL(None).malloc_trim
     except (AttributeError, OSError, TypeError):
         return None
+
+
+_MEMINFO = Path('/proc/meminfo')
+_PLENTY = 4
+"""Memory is not scarce where one in so many bytes of it is to be had."""
+
+
+def is_scarce(meminfo: Path = _MEMINFO) -> bool:
+    """Say whether memory is scarce on this machine, or nobody knows."""
+    try:
+        found = dict(re.findall(r'(?m)^(\w+): +(\d+)', meminfo.read_text(encoding='ascii')))
+        return int(found['MemAvailable']) * _PLENTY < int(found['MemTotal'])
+    except (OSError, KeyError):
+        return True

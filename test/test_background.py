@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 import os
 from pathlib import Path
+import select
 import signal
 import threading
 import time
@@ -16,6 +17,7 @@ import zlib
 import pytest
 from support.plants import flat_plant, program_of
 
+from ladder_ros.background import worker as worker_module
 from ladder_ros.background.frames import Channel
 from ladder_ros.background.process import CompilerProcess
 from ladder_ros.background.worker import Worker
@@ -213,6 +215,34 @@ def test_worker_when_it_rests_then_it_lets_its_work_go_and_still_answers() -> No
     worker.rest()
     assert worker.work() == []
     assert [list(worker.answer(request)) for request in requests[1:3]] == answers[1:3]
+
+
+@pytest.mark.parametrize('scarce', [True, False])
+def test_worker_when_nobody_asks_for_long_then_its_work_goes_where_memory_is_scarce(
+    monkeypatch: pytest.MonkeyPatch, *, scarce: bool,
+) -> None:
+    worker = Worker()
+    list(worker.answer(
+        ('compile', 'one', 'a.xml', 'python', '', zlib.compress(PROGRAMS[0].read_bytes()))))
+    source, sink = os.pipe()
+    looks = []
+
+    def is_scarce() -> bool:
+        looks.append(scarce)
+        if len(looks) == 2:
+            os.write(sink, b'.')  # a request, at last
+        return scarce
+
+    monkeypatch.setattr(worker_module, '_IDLE_MS', 1)
+    monkeypatch.setattr(worker_module, 'is_scarce', is_scarce)
+    requests = select.poll()
+    requests.register(source, select.POLLIN)
+    try:
+        worker_module.await_request(requests, worker)
+    finally:
+        os.close(source)
+        os.close(sink)
+    assert bool(worker.work()) is not scarce
 
 
 def test_worker_when_programs_are_compiled_then_it_keeps_the_work_of_few_rungs() -> None:

@@ -34,6 +34,7 @@ from ladder_ros.compiler.object_cache import ObjectCache
 from ladder_ros.compiler.pipeline import Compilation, compile_program, Work
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Executable, Variant
+from ladder_ros.garbage import give_back, is_scarce
 from ladder_ros.model.program import Program
 from ladder_ros.runtime.planner import LocalPlanner
 from ladder_ros.runtime.scheduling import stay_behind
@@ -49,7 +50,7 @@ _KEPT_WORK = 2
 _MOST_RUNGS = 40_000
 """Rungs that these two may have together: up to 10 KiB each; two versions of one share most."""
 _IDLE_MS = 600_000
-"""After so long without a request that work is let go."""
+"""After so long without a request that work is let go, if somebody else needs the memory."""
 _PLANNER = LocalPlanner()
 
 
@@ -69,7 +70,7 @@ class Worker:
         self._made: deque[tuple[Reading, Work]] = deque(maxlen=_KEPT_WORK)
         """How the last programs were read and compiled, the last one's last."""
         self._modules: dict[str, tuple[str, ...]] = {}
-        """The texts of native modules that are to become object code, of known programs."""
+        """The texts of native modules that have not become object code yet, of known programs."""
 
     def answer(self, request: Any) -> Iterator[bytes]:
         """Yield the frames of an answer.
@@ -99,7 +100,10 @@ class Worker:
             case ('native', key):
                 yield from self._native(key)
             case ('object', key, number):
-                made = make_object(self._texts(key)[number], ObjectCache())
+                texts = self._texts(key)
+                made = make_object(texts[number], ObjectCache())
+                if number == len(texts) - 1:
+                    del self._modules[key]
                 yield pickle.dumps(('fine', None))
                 yield made
             case ('transition', before, after):
@@ -183,10 +187,19 @@ class Worker:
     def rest(self) -> None:
         """Let go what is there only to make the next answer come soon."""
         self._made.clear()
+        self._modules.clear()
+        give_back()
 
 
 def _size(program: Program) -> int:
     return sum(len(pou.rungs) for pou in program.pous)
+
+
+def await_request(requests: select.poll, worker: Worker) -> None:
+    """Wait for a request: nothing is buffered, as each awaits its answer."""
+    while not requests.poll(_IDLE_MS):
+        if is_scarce():
+            worker.rest()
 
 
 def main() -> None:
@@ -199,8 +212,7 @@ def main() -> None:
     requests = select.poll()
     requests.register(sys.stdin.buffer, select.POLLIN)
     while True:
-        if not requests.poll(_IDLE_MS):  # nothing is buffered: each request awaits its answer
-            worker.rest()
+        await_request(requests, worker)
         try:
             request = pickle.loads(receive(sys.stdin.buffer))
             if request[0] in WITH_DATA:
