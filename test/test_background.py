@@ -153,6 +153,24 @@ def test_executable_when_only_changed_to_then_its_slots_stay_packed(
     assert new.slots.unpacked() == new.components.made() == new.rungs.made() == []
 
 
+def test_items_when_some_are_looked_at_then_no_others_are_kept() -> None:
+    calls: list[bytes] = []
+
+    def unpack(data: bytes) -> tuple[int, ...]:
+        calls.append(data)
+        return tuple(range(4 * data[0], min(4 * data[0] + 4, 10)))
+
+    items: Parts[int] = Parts([b'\0', b'\1', b'\2'], 4, 10, unpack)
+    assert [items[3], items[4], items[5], items[3], items[-1]] == [3, 4, 5, 3, 9]
+    assert calls == [b'\0', b'\1', b'\2']
+    assert items.unpacked() == [(3, 4, 5, 9)]
+    assert list(items) == list(items) == list(range(10))
+    assert len(calls) == 6
+    assert [tuple(part) for part in items.unpacked()] == [(0, 1, 2, 3), (4, 5, 6, 7), (8, 9)]
+    assert items[7:] == (7, 8, 9)
+    assert len(calls) == 6
+
+
 def test_components_when_they_are_counted_then_they_stay_in_the_other_process(
     compiler: CompilerProcess,
 ) -> None:
