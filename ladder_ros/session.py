@@ -152,15 +152,15 @@ def export(path: str | os.PathLike[str], to: str) -> str:
 def compile_file(path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -> Loaded:
     """Compile a program file.  Raises LadderError with every error that was found."""
     program, source_hash, source = read_with_source(path)
-    again = again_from(program, source, os.fspath(path)) if backend == FIRST_BACKEND else None
+    packed = zlib.compress(source) if source else b''
+    again = again_from(program, packed, os.fspath(path)) if backend == FIRST_BACKEND else None
     compilation = compile_program(
         program, backend=backend, source_hash=source_hash, again=again)
     if again is not None:
         compilation.first(Variant())  # while the work that this needs is there
     return Loaded(
         path=os.fspath(path), name=program.name, source_hash=source_hash,
-        packed=zlib.compress(source) if source else b'',
-        executable=compilation.executable, diagnostics=compilation.diagnostics)
+        packed=packed, executable=compilation.executable, diagnostics=compilation.diagnostics)
 
 
 def replay(path: str | os.PathLike[str], programs: Iterable[Loaded]) -> ReplayResult:
@@ -304,14 +304,14 @@ class Session:
                     before.source_hash, before.backend) == (source_hash, backend):
                 return Loaded(path=os.fspath(path), name=before.name, source_hash=source_hash,
                               executable=before.executable, diagnostics=before.diagnostics,
-                              packed=zlib.compress(data))
+                              packed=before.packed)
+            packed = zlib.compress(data)
             compilation = COMPILER.compile(
                 data, os.fspath(path), backend=backend, timeout=timeout_s,
-                breathe=self._controller.breathe, source_hash=source_hash)
+                breathe=self._controller.breathe, source_hash=source_hash, packed=packed)
         return Loaded(
             path=os.fspath(path), name=compilation.executable.name, source_hash=source_hash,
-            executable=compilation.executable, diagnostics=compilation.diagnostics,
-            packed=zlib.compress(data))
+            executable=compilation.executable, diagnostics=compilation.diagnostics, packed=packed)
 
     @property
     def refused(self) -> tuple[str, ...]:

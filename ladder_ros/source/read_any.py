@@ -6,11 +6,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 import hashlib
 from itertools import islice
 import os
 from pathlib import Path
+import zlib
 
 from ladder_ros.diagnostics import LadderError, Location, problem
 from ladder_ros.garbage import collected_later
@@ -128,15 +128,15 @@ def folder_hash(folder: Path) -> str:
 
 
 def again_from(
-    program: Program, data: bytes, file: str,
+    program: Program, packed: bytes, file: str,
 ) -> Callable[[], Program] | None:
-    """Return what reads a program again from the bytes that it came from.
+    """Return what reads a program again from the bytes that it came from, which are deflated.
 
     None where other files take part, which may not be there any more as they were.
     """
-    if program.dialect != 'native' or program.uses or not data:
+    if program.dialect != 'native' or program.uses or not packed:
         return None
-    return partial(parse_any, data, file)
+    return lambda: parse_any(zlib.decompress(packed), file)
 
 
 def read_with_source(path: str | os.PathLike[str]) -> tuple[Program, str, bytes]:
