@@ -91,12 +91,12 @@ setup(
     ],
     extras_require={
         'ros': [f'{wheel} ; {ROS_WHEELS_EXIST}' for wheel in ROS_WHEELS],
-        'native': ['llvmlite >= 0.44, < 1'],
+        'native': ['llvmlite >= 0.45, < 1'],
         'prove': ['z3-solver >= 4.8.12'],
         'bag': ['rosbags >= 0.10.6, < 1'],
         'test': [
             'hypothesis >= 6.80',
-            'llvmlite >= 0.44, < 1',
+            'llvmlite >= 0.45, < 1',
             'lxml >= 4.8',
             'mypy >= 1.11',
             'pyelftools >= 0.29',

@@ -27,6 +27,7 @@ import importlib.util
 from itertools import chain
 import os
 from pathlib import Path
+import pickle
 import random
 import statistics
 import subprocess
@@ -49,11 +50,12 @@ from ladder_ros.compiler.pipeline import compile_program  # noqa: E402
 from ladder_ros.executable import LANES, Variant  # noqa: E402
 from ladder_ros.runtime.lanes import Campaign  # noqa: E402
 from ladder_ros.runtime.scan_cycle import ScanCycle  # noqa: E402
+from ladder_ros.runtime.simulation import Simulation  # noqa: E402
 from ladder_ros.runtime.trace_csv import InputTable  # noqa: E402
 from ladder_ros.source.model_to_xml import write_program  # noqa: E402
-from ladder_ros.source.read_any import parse_any  # noqa: E402
+from ladder_ros.source.read_any import parse_any, read_any  # noqa: E402
 
-NODE_ROUNDS = 4
+NODE_ROUNDS = 10
 
 
 # -- scans ---------------------------------------------------------------------------------------
@@ -170,8 +172,9 @@ def lanes() -> Iterator[Figure]:
         taken = []
         for executable in (native, replace(native, lanes=None)):
             began = time.perf_counter()
-            Campaign(executable=executable, slots=native.io()[-5:], scans=1000,
-                     interval_ns=10 * MS, inputs=tables).run()
+            list(Campaign(simulations=[
+                Simulation(executable=executable, slots=native.io()[-5:], scans=1000,
+                           interval_ns=10 * MS, inputs=table) for table in tables]))
             taken.append(time.perf_counter() - began)
         ratios.append(taken[1] / taken[0])
     yield Figure(what='64 simulations of 1000 scans of 100 rungs, with tables and results',
@@ -221,15 +224,15 @@ def node() -> Iterator[Figure]:
     ros_latency.stay_on_this_host()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for row in chain(ros_latency.measure_topics(NODE_ROUNDS, 2.0, folder),
-                         ros_latency.measure_packed(NODE_ROUNDS, 2.0, folder)):
+        for row in chain(ros_latency.measure_topics(NODE_ROUNDS, ros_latency.TURN, folder),
+                         ros_latency.measure_packed(NODE_ROUNDS, ros_latency.TURN, folder)):
             what = 'processor time' if row['figure'] == 'cpu_percent' else 'latency'
             packed = ', packed' if row['packed'] else ''
             yield Figure(
                 what=f'node, {row["inputs"]} inputs{packed}: {what} over a bare node',
                 value=f'{row["ratio"]}x [{row["spread"]}]', target=f'{row["target"]}x',
                 met=row['verdict'] == 'met')
-        for row in ros_latency.measure_jitter(NODE_ROUNDS, 2.0, folder):
+        for row in ros_latency.measure_jitter(NODE_ROUNDS, ros_latency.TURN, folder):
             what = f'1000 rungs every ms, 100 inputs, {row["scans"]}'
             if row['scans'] == 'bare':
                 yield Figure(what='bare thread: over in time', value=f'{row["in_time"]}%')
@@ -256,61 +259,77 @@ def call() -> Figure:
                   met=statistics.median(taken) < 1000)
 
 
-_COMPILING = """
-import gc, sys
+_PROCESS = """
+import gc, pickle, sys, time
+from pathlib import Path
 sys.path[:0] = {paths!r}
-from support.plants import flat_plant, program_of
 from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.executable import Variant
-def kib(of): return int(open('/proc/self/status').read().split(of)[1].split()[0])
-compile_program(program_of(flat_plant(50)), backend={backend!r}).executable.build(Variant())
-program = program_of(flat_plant({size}))
-gc.collect(); before = kib('VmRSS:')
+from ladder_ros.garbage import give_back
+from ladder_ros.session import Session
+from ladder_ros.source.read_any import read_any
+def fresh():  # what was freed before must not count as if it were used now, nor the other way
+    gc.collect()
+    give_back()
+    open('/proc/self/clear_refs', 'w').write('5')
+    return kib('VmRSS:')
+def kib(of):
+    return int(open('/proc/self/status').read().partition(of)[2].split()[0])
+"""
+_COMPILING = _PROCESS + """
+compile_program(read_any({small!r}), backend={backend!r}).executable.build(Variant())
+if {model}:  # not what reading leaves behind, which would be used again
+    program = pickle.loads(Path({large!r}).with_suffix('.pickle').read_bytes())
+before = fresh()
+if not {model}:
+    program = read_any({large!r})
 compile_program(program, backend={backend!r}).executable.build(Variant())
 print((kib('VmHWM:') - before) / {size})
 """
-_RUNNING = """
-import gc, os, resource, sys, tempfile, time
-sys.path[:0] = {paths!r}
-from support.plants import flat_plant, program_of
-from ladder_ros.session import Session
-from ladder_ros.source.model_to_xml import write_program
-def kib(): return int(open('/proc/self/statm').read().split()[1]) * resource.getpagesize() / 1024
-def run(rungs):
-    path = os.path.join(folder, str(rungs))
-    with open(path, 'w') as file:
-        file.write(write_program(program_of(flat_plant(rungs))))
-    gc.collect(); before = kib()
-    session = Session()
-    session.open(path, {backend!r})
-    session.start()
-    while session.status()['runs_as'] != {backend!r}:
-        time.sleep(0.1)
-    time.sleep(0.5)
-    gc.collect(); grown = kib() - before
-    session.stop()
-    return grown
-with tempfile.TemporaryDirectory() as folder:
-    run(50)
-    print(run({size}) / {size})
+_RUNNING = _PROCESS + """
+def run(path):
+    before = fresh()
+    with Session() as session:
+        session.open(path, {backend!r})
+        session.start()
+        while session.status()['runs_as'] != {backend!r}:
+            time.sleep(0.1)
+        time.sleep(0.5)
+        return kib('VmRSS:') - before
+run({small!r})
+print(run({large!r}) / {size})
 """
 
 
 def memory(size: int) -> Iterator[Figure]:
-    """Yield memory a rung, each in a process of its own."""
-    for backend in ('python', 'native'):
-        for what, code, target in (
-            ('while compiling', _COMPILING, 10.0),
-            ('while running, its file included', _RUNNING, 1.0),
-        ):
-            text = code.format(
-                paths=[str(ROOT / 'test'), str(ROOT)], size=size, backend=backend)
-            done = subprocess.run(
-                [sys.executable, '-c', text], capture_output=True, text=True, check=True)
-            found = float(done.stdout)
-            yield Figure(what=f'{size} rungs, {backend}: memory {what}',
-                         value=f'{found:.3g} KiB a rung', target=f'{target:g} KiB',
-                         met=found < target)
+    """Yield memory a rung, each in a process of its own that has compiled a small program before.
+
+    Nothing is in the cache of native code.  What the machine's files take, which other processes
+    share, is not in it where the small program needed them too.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        paths = {name: str(Path(folder) / f'{name}.xml') for name in ('small', 'large')}
+        for path, rungs in zip(paths.values(), (50, size), strict=True):
+            program = program_of(flat_plant(rungs))
+            Path(path).write_text(write_program(program), encoding='utf-8')
+            Path(path).with_suffix('.pickle').write_bytes(pickle.dumps(read_any(path)))
+        for backend in ('python', 'native'):
+            for what, code, target, model in (
+                ('while compiling', _COMPILING, 10.0, True),
+                ('while reading and compiling', _COMPILING, 0.0, False),
+                ('while running, its file included', _RUNNING, 1.0, False),
+            ):
+                text = code.format(
+                    paths=[str(ROOT)], size=size, backend=backend, model=model, **paths)
+                with tempfile.TemporaryDirectory() as cache:
+                    done = subprocess.run(
+                        [sys.executable, '-c', text], capture_output=True, text=True, check=True,
+                        env={**os.environ, 'LADDER_ROS_CACHE': cache})
+                found = float(done.stdout)
+                yield Figure(what=f'{size} rungs, {backend}: memory {what}',
+                             value=f'{found:.3g} KiB a rung',
+                             target=f'{target:g} KiB' if target else '',
+                             met=found < target if target else None)
 
 
 def main() -> int:

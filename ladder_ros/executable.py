@@ -27,7 +27,10 @@ ARITHMETIC_ERRORS = '%arithmetic_errors'
 
 
 class Parts(Sequence[_T], Generic[_T]):
-    """Items that came packed, so many a part, and are unpacked when they are looked at."""
+    """Items that came packed, so many a part, and are unpacked when they are looked at.
+
+    Who goes through all of them keeps all; of others the single item is kept.
+    """
 
     def __init__(
         self, packed: Sequence[bytes], part: int, size: int,
@@ -38,7 +41,9 @@ class Parts(Sequence[_T], Generic[_T]):
         self._part = part
         self._size = size
         self._unpack = unpack
-        self._found: dict[int, Sequence[_T]] = {}
+        self._parts: dict[int, Sequence[_T]] = {}
+        self._items: dict[int, _T] = {}
+        self._last: tuple[int, Sequence[_T]] = (-1, ())
 
     def __len__(self) -> int:
         return self._size
@@ -57,10 +62,24 @@ class Parts(Sequence[_T], Generic[_T]):
         if not 0 <= index < self._size:
             raise IndexError(index)
         number, place = divmod(index, self._part)
-        found = self._found.get(number)
-        if found is None:
-            found = self._found[number] = self._unpack(self._packed[number])
-        return found[place]
+        part = self._parts.get(number)
+        if part is not None:
+            return part[place]
+        item = self._items.get(index)
+        if item is None:
+            last = self._last  # who looks at one may look at the next
+            if last[0] != number:
+                last = self._last = number, self._unpack(self._packed[number])
+            item = self._items[index] = last[1][place]
+        return item
+
+    def __iter__(self) -> Iterator[_T]:
+        for number, packed in enumerate(self._packed):
+            part = self._parts.get(number)
+            if part is None:
+                part = self._parts[number] = self._unpack(packed)
+            yield from part
+        self._items.clear()  # they are there twice now
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Sequence) and tuple(self) == tuple(other)
@@ -69,8 +88,9 @@ class Parts(Sequence[_T], Generic[_T]):
         return hash(tuple(self))
 
     def unpacked(self) -> list[Sequence[_T]]:
-        """Return the parts that have been looked at."""
-        return list(self._found.values())
+        """Return the items that are kept because somebody has looked at them."""
+        single = tuple(self._items.values())
+        return [*self._parts.values(), *([single] if single else [])]
 
 
 class Later(Sequence[_T], Generic[_T]):
@@ -372,7 +392,9 @@ class Executable:
 
     def pieces(self) -> list[Sequence[object]]:
         """Return all that there are many of, for who frees a program little by little."""
-        found: list[Sequence[object]] = [tuple(self.by_path)]
+        found: list[Sequence[object]] = []
+        if isinstance(self.by_path, dict):
+            found.append(tuple(self.by_path))
         for items in (self.slots, self.components, self.rungs):
             for made in items.made() if isinstance(items, Later) else [items]:
                 found += made.unpacked() if isinstance(made, Parts) else [made]

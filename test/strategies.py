@@ -26,6 +26,7 @@ from ladder_ros.model.component import (
     Row,
     Side,
 )
+from ladder_ros.model.names import why_illegal
 from ladder_ros.model.program import (
     Body,
     CallKind,
@@ -90,7 +91,8 @@ def names() -> st.SearchStrategy[str]:
     word = st.text(st.sampled_from(letters + '0123456789'), min_size=1, max_size=5)
     first = st.builds(str.__add__, st.sampled_from([*letters, '_a', '_7']), word)
     return st.builds(
-        lambda head, tail: '_'.join([head, *tail]), first, st.lists(word, max_size=2))
+        lambda head, tail: '_'.join([head, *tail]), first, st.lists(word, max_size=2),
+    ).filter(lambda name: not why_illegal(name))  # it may be a keyword: AT
 
 
 @cache

@@ -7,14 +7,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 import os
 from pathlib import Path
+import select
 import signal
 import threading
 import time
 import weakref
+import zlib
 
 import pytest
 from support.plants import flat_plant, program_of
 
+from ladder_ros.background import worker as worker_module
 from ladder_ros.background.frames import Channel
 from ladder_ros.background.process import CompilerProcess
 from ladder_ros.background.worker import Worker
@@ -150,6 +153,24 @@ def test_executable_when_only_changed_to_then_its_slots_stay_packed(
     assert new.slots.unpacked() == new.components.made() == new.rungs.made() == []
 
 
+def test_items_when_some_are_looked_at_then_no_others_are_kept() -> None:
+    calls: list[bytes] = []
+
+    def unpack(data: bytes) -> tuple[int, ...]:
+        calls.append(data)
+        return tuple(range(4 * data[0], min(4 * data[0] + 4, 10)))
+
+    items: Parts[int] = Parts([b'\0', b'\1', b'\2'], 4, 10, unpack)
+    assert [items[3], items[4], items[5], items[3], items[-1]] == [3, 4, 5, 3, 9]
+    assert calls == [b'\0', b'\1', b'\2']
+    assert items.unpacked() == [(3, 4, 5, 9)]
+    assert list(items) == list(items) == list(range(10))
+    assert len(calls) == 6
+    assert [tuple(part) for part in items.unpacked()] == [(0, 1, 2, 3), (4, 5, 6, 7), (8, 9)]
+    assert items[7:] == (7, 8, 9)
+    assert len(calls) == 6
+
+
 def test_components_when_they_are_counted_then_they_stay_in_the_other_process(
     compiler: CompilerProcess,
 ) -> None:
@@ -203,21 +224,51 @@ def test_compile_when_a_file_has_changed_again_and_again_then_each_version_is_it
 
 def test_worker_when_it_rests_then_it_lets_its_work_go_and_still_answers() -> None:
     data = PROGRAMS[0].read_bytes()
+    other = data.replace(b'<body', b'\n<body')
     worker = Worker()
-    requests = [('compile', 'one', 'a.xml', 'python', '', data), ('components', 'one'),
-                ('variant', 'one', Variant(observed=True)),
-                ('compile', 'two', 'a.xml', 'python', '', data.replace(b'<body', b'\n<body'))]
+    requests = [('compile', 'one', 'a.xml', 'python', '', zlib.compress(data)),
+                ('components', 'one'), ('variant', 'one', Variant(observed=True)),
+                ('compile', 'two', 'a.xml', 'python', '', zlib.compress(other))]
     answers = [list(worker.answer(request)) for request in requests]
     worker.rest()
     assert worker.work() == []
     assert [list(worker.answer(request)) for request in requests[1:3]] == answers[1:3]
 
 
+@pytest.mark.parametrize('scarce', [True, False])
+def test_worker_when_nobody_asks_for_long_then_its_work_goes_where_memory_is_scarce(
+    monkeypatch: pytest.MonkeyPatch, *, scarce: bool,
+) -> None:
+    worker = Worker()
+    list(worker.answer(
+        ('compile', 'one', 'a.xml', 'python', '', zlib.compress(PROGRAMS[0].read_bytes()))))
+    source, sink = os.pipe()
+    looks = []
+
+    def is_scarce() -> bool:
+        looks.append(scarce)
+        if len(looks) == 2:
+            os.write(sink, b'.')  # a request, at last
+        return scarce
+
+    monkeypatch.setattr(worker_module, '_IDLE_MS', 1)
+    monkeypatch.setattr(worker_module, 'is_scarce', is_scarce)
+    requests = select.poll()
+    requests.register(source, select.POLLIN)
+    try:
+        worker_module.await_request(requests, worker)
+    finally:
+        os.close(source)
+        os.close(sink)
+    assert bool(worker.work()) is not scarce
+
+
 def test_worker_when_programs_are_compiled_then_it_keeps_the_work_of_few_rungs() -> None:
     worker = Worker(most_rungs=150)
     for number, count in enumerate((60, 60, 60, 140, 160)):
         data = write_program(program_of(flat_plant(count, seed=number))).encode()
-        list(worker.answer(('compile', str(number), 'a.xml', 'python', '', data)))
+        list(worker.answer(
+            ('compile', str(number), 'a.xml', 'python', '', zlib.compress(data))))
         kept = [len(work.program.bodies[0].rungs) for work in worker.work()]
         assert kept == {60: [60, 60][-number - 1:], 140: [140], 160: []}[count]
 

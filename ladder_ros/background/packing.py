@@ -9,8 +9,9 @@ plain numbers and texts, a little at a time; all else stays packed until somebod
 from __future__ import annotations
 
 from array import array
+from bisect import bisect_left
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 import marshal
 import pickle
 import re
@@ -21,7 +22,7 @@ import zlib
 from ladder_ros.background.code import Code
 from ladder_ros.blocks import FUNCTIONS
 from ladder_ros.compiler.native import NativeProgram, without_code
-from ladder_ros.compiler.native_state import NativeLayout
+from ladder_ros.compiler.native_state import StateShape
 from ladder_ros.executable import Executable, Parts, Scan, Slot
 from ladder_ros.model.types import DataType
 from ladder_ros.runtime.online_change import StateItem, SwapReport
@@ -106,55 +107,83 @@ def _function(name: str) -> object:
 
 def pack_native(program: NativeProgram, rest: Mapping[str, Scan]) -> Iterator[bytes]:
     """Yield the parts of a native program but its code, and of what it leaves to Python."""
-    layout = program.layout
-    yield pickle.dumps((replace(without_code(program), layout=NativeLayout(
-        offsets=(), types=(), size=layout.size, outside=layout.outside)), len(layout.offsets)))
-    yield from _pack_many(
-        layout.offsets, lambda part: array('q', part).tobytes())
-    yield from _pack_many(
-        layout.types, lambda part: marshal.dumps([type_.value for type_ in part]))
+    yield pickle.dumps((without_code(program), StateShape.of(program.layout)))
     yield from pack_code(rest)
 
 
-def unpack_native(receive: Receive, breathe: Breathe) -> tuple[NativeProgram, Code]:
-    """Read what :func:`pack_native` has written."""
-    program, count = pickle.loads(receive())
-    offsets = _unpack_many(receive, count, _numbers, breathe)
-    types = _unpack_many(
-        receive, count, lambda data: [DataType(name) for name in marshal.loads(data)], breathe)
-    layout = replace(program.layout, offsets=tuple(offsets), types=tuple(types))
-    return replace(program, layout=layout), unpack_code(receive, breathe)
+def unpack_native(receive: Receive, breathe: Breathe) -> tuple[NativeProgram, StateShape, Code]:
+    """Read what :func:`pack_native` has written: the program, and its state's shape."""
+    program, shape = pickle.loads(receive())
+    return program, shape, unpack_code(receive, breathe)
 
 
 # -- layout ---------------------------------------------------------------------------------------
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Paths:
+    """Where slots are found by their casefolded paths.
+
+    ``hashes`` of the slots' own paths, in order, and the ``indices`` of those slots;
+    ``others`` are further paths of slots.
+    """
+
+    hashes: array[int]
+    indices: array[int]
+    others: Mapping[str, int]
+
+    @classmethod
+    def of(cls, executable: Executable) -> _Paths:
+        """Return those of all slots."""
+        own = sorted((_hash(slot.path.casefold()), slot.index) for slot in executable.slots)
+        return cls(
+            hashes=array('I', [number for number, _ in own]),
+            indices=array('I', [index for _, index in own]),
+            others={path: slot.index for path, slot in executable.by_path.items()
+                    if path != slot.path.casefold()})
+
+
+def _hash(path: str) -> int:
+    return zlib.crc32(path.encode('utf-8', 'surrogatepass'))
+
+
 class _ByPath(Mapping[str, Slot]):
-    def __init__(self, indices: Mapping[str, int], slots: Sequence[Slot]) -> None:
-        self._indices = indices
+    """Slots by path in eight bytes each; a slot itself says whether it is the one."""
+
+    def __init__(self, paths: _Paths, slots: Sequence[Slot]) -> None:
+        self._paths = paths
         self._slots = slots
 
     def __getitem__(self, path: str) -> Slot:
-        return self._slots[self._indices[path]]
+        paths = self._paths
+        if path in paths.others:
+            return self._slots[paths.others[path]]
+        wanted = _hash(path)
+        for place in range(bisect_left(paths.hashes, wanted), len(paths.hashes)):
+            if paths.hashes[place] != wanted:
+                break
+            slot = self._slots[paths.indices[place]]
+            if slot.path.casefold() == path:
+                return slot
+        raise KeyError(path)
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._indices)
+        yield from (slot.path.casefold() for slot in self._slots)
+        yield from self._paths.others
 
     def __len__(self) -> int:
-        return len(self._indices)
+        return len(self._paths.hashes) + len(self._paths.others)
 
 
 def pack_layout(executable: Executable) -> Iterator[bytes]:
     """Yield the parts of an executable but its code, its components and its rungs."""
-    paths = [(path, slot.index) for path, slot in executable.by_path.items()]
     yield pickle.dumps((
         {name: getattr(executable, name) for name in (
-            'name', 'backend', 'source_hash', 'entries', 'routines', 'tasks')}, len(paths),
+            'name', 'backend', 'source_hash', 'entries', 'routines', 'tasks')},
         len(executable.components)))
     outline = executable.outline
     yield marshal.dumps(outline.initial)
     yield pickle.dumps(replace(outline, initial=()))
-    for start in range(0, len(paths), MANY):
-        yield marshal.dumps(paths[start:start + MANY])
+    yield pickle.dumps(_Paths.of(executable))
     yield from pack_parts(executable.slots)
 
 
@@ -163,15 +192,12 @@ def unpack_layout(receive: Receive, breathe: Breathe) -> tuple[dict[str, Any], i
 
     Also the number of its components.
     """
-    layout, size, components = pickle.loads(receive())
+    layout, components = pickle.loads(receive())
     initial = marshal.loads(receive())
     layout['outline'] = replace(pickle.loads(receive()), initial=initial)
-    indices: dict[str, int] = {}
-    for _ in range(0, size, MANY):
-        breathe()
-        indices.update(marshal.loads(receive()))
+    paths = pickle.loads(receive())
     layout['slots'] = unpack_parts(receive, breathe)
-    layout['by_path'] = _ByPath(indices, layout['slots'])
+    layout['by_path'] = _ByPath(paths, layout['slots'])
     return layout, components
 
 

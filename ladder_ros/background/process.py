@@ -30,7 +30,7 @@ from ladder_ros.background.packing import (
 )
 from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.compiler.native import load_native, NativeProgram, on_values
-from ladder_ros.compiler.native_state import StateForm
+from ladder_ros.compiler.native_state import StateForm, StateShape
 from ladder_ros.compiler.pipeline import Compilation, compile_program
 from ladder_ros.diagnostics import InternalError, LadderError, Location
 from ladder_ros.executable import Executable, Form, Later, Scan, Variant
@@ -47,7 +47,8 @@ _LOCAL = LocalPlanner()
 
 _T = TypeVar('_T')
 Source = tuple[bytes, str, str, str]
-"""A program file's bytes, which are sent after the others; its name, the backend, the SHA-256."""
+"""A program file's bytes, deflated, which are sent after the others; its name, the backend, the
+SHA-256."""
 
 
 class _Gone(Exception):
@@ -62,14 +63,13 @@ class _Build:
     ) -> None:
         self.process = process
         self.key = key
-        data, self.file, self._backend, self._hash = source
-        self._data = zlib.compress(data)
+        self.source = source
         self._code: Mapping[str, Scan] | None = code
 
     @property
-    def source(self) -> Source:
-        """What it was compiled from, which takes a tenth of the memory meanwhile."""
-        return zlib.decompress(self._data), self.file, self._backend, self._hash
+    def file(self) -> str:
+        """The name of the program's file."""
+        return self.source[1]
 
     def __call__(self, variant: Variant) -> Mapping[str, Scan]:
         code = self._code
@@ -89,10 +89,10 @@ class _Faster:
         self._program = program
 
     def __call__(self) -> Form:
-        program, rest, objects = self._program.process.native(self._program)
+        program, shape, rest, objects = self._program.process.native(self._program)
         self._program.let_go()
         return Form(
-            functions=load_native(program, objects, rest), make_state=StateForm(program.layout),
+            functions=load_native(program, objects, rest), make_state=StateForm(shape),
             adapt=lambda functions: {body: on_values(scan) for body, scan in functions.items()})
 
 
@@ -117,11 +117,12 @@ class CompilerProcess:
 
     def compile(
         self, data: bytes, file: str, *, backend: str, timeout: float = DEFAULT_TIMEOUT,
-        breathe: Breathe = breathless, source_hash: str | None = None,
+        breathe: Breathe = breathless, source_hash: str | None = None, packed: bytes = b'',
     ) -> Compilation:
         """Compile a program file's bytes; as ``compile_program`` otherwise.
 
-        ``source_hash`` is what ``file_hash`` says of them, for who knows it already.
+        ``source_hash`` is what ``file_hash`` says of them, and ``packed`` are they deflated, for
+        who knows it already.
 
         Raises LadderError with every error that was found, L0521 if it takes longer than
         ``timeout`` seconds.  ``breathe`` is called between the parts of what has to be done here.
@@ -129,7 +130,7 @@ class CompilerProcess:
         """
         source_hash = file_hash(data, file) if source_hash is None else source_hash
         key = hashlib.sha256(f'{source_hash} {backend} {file}'.encode(errors='replace'))
-        source = (data, file, backend, source_hash)
+        source = (packed or zlib.compress(data), file, backend, source_hash)
         if backend not in BACKENDS:
             return _compile_here(source)
         try:
@@ -166,18 +167,18 @@ class CompilerProcess:
 
     def native(
         self, program: _Build, timeout: float = DEFAULT_TIMEOUT,
-    ) -> tuple[NativeProgram, Mapping[str, Scan], list[bytes]]:
+    ) -> tuple[NativeProgram, StateShape, Mapping[str, Scan], list[bytes]]:
         """Make the object code of a program that was compiled, a module in each turn.
 
-        Others have their turns in between.  Returns what `native.load_native` needs.  Raises
-        InternalError if the process cannot make it.
+        Others have their turns in between.  Returns what `native.load_native` needs, and the
+        state's shape.  Raises InternalError if the process cannot make it.
         """
         file = program.file
         try:
             with self._turn, self._bounded(timeout, file) as listen:
                 if not self._asked(listen, ('native', program.key), program):
                     raise _Gone
-                found, rest = unpack_native(listen, breathless)
+                found, shape, rest = unpack_native(listen, breathless)
                 modules = pickle.loads(listen())
             objects: list[bytes] = []
             for number in range(modules):
@@ -188,7 +189,7 @@ class CompilerProcess:
         except (_Gone, OSError):
             raise InternalError('compiler', 'the process that makes native code has '
                                             'ended') from None
-        return found, rest, objects
+        return found, shape, rest, objects
 
     def transition(
         self, old: Executable, new: Executable, breathe: Breathe = breathless,
@@ -265,9 +266,9 @@ class CompilerProcess:
 
     def _tell(self, word: str, key: str, source: Source) -> None:
         assert self._channel is not None
-        data, *about = source
+        packed, *about = source
         self._ask((word, key, *about))
-        self._channel.send(data)
+        self._channel.send(packed)
 
     @contextmanager
     def _bounded(self, timeout: float, file: str) -> Iterator[Receive]:
@@ -312,10 +313,10 @@ class CompilerProcess:
         process.wait()
 
 
-def _compile_here(source: tuple[bytes, str, str, str]) -> Compilation:
-    data, file, backend, source_hash = source
+def _compile_here(source: Source) -> Compilation:
+    packed, file, backend, source_hash = source
     return compile_program(
-        parse_any(data, file), backend=backend, source_hash=source_hash)
+        parse_any(zlib.decompress(packed), file), backend=backend, source_hash=source_hash)
 
 
 COMPILER = CompilerProcess()

@@ -17,6 +17,7 @@ import pickle
 import select
 import sys
 from typing import Any
+import zlib
 
 from ladder_ros.background.frames import receive, send
 from ladder_ros.background.packing import (
@@ -33,6 +34,7 @@ from ladder_ros.compiler.object_cache import ObjectCache
 from ladder_ros.compiler.pipeline import Compilation, compile_program, Work
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Executable, Variant
+from ladder_ros.garbage import give_back, is_scarce
 from ladder_ros.model.program import Program
 from ladder_ros.runtime.planner import LocalPlanner
 from ladder_ros.runtime.scheduling import stay_behind
@@ -40,7 +42,7 @@ from ladder_ros.source.read_any import again_from, parse_next
 from ladder_ros.source.xml_again import Reading
 
 WITH_DATA = ('compile', 'learn')
-"""Requests after which a program file's bytes come."""
+"""Requests after which a program file's bytes come, deflated."""
 _KEPT = 4
 """Programs."""
 _KEPT_WORK = 2
@@ -48,7 +50,7 @@ _KEPT_WORK = 2
 _MOST_RUNGS = 40_000
 """Rungs that these two may have together: up to 10 KiB each; two versions of one share most."""
 _IDLE_MS = 600_000
-"""After so long without a request that work is let go."""
+"""After so long without a request that work is let go, if somebody else needs the memory."""
 _PLANNER = LocalPlanner()
 
 
@@ -68,13 +70,13 @@ class Worker:
         self._made: deque[tuple[Reading, Work]] = deque(maxlen=_KEPT_WORK)
         """How the last programs were read and compiled, the last one's last."""
         self._modules: dict[str, tuple[str, ...]] = {}
-        """The texts of native modules that are to become object code, of known programs."""
+        """The texts of native modules that have not become object code yet, of known programs."""
 
     def answer(self, request: Any) -> Iterator[bytes]:
         """Yield the frames of an answer.
 
         The requests: ``('compile', key, file, backend, hash)``, to which the next frame, the
-        file's bytes, is appended; ``learn``, the same without the program in the answer;
+        file's bytes deflated, is appended; ``learn``, the same without the program in the answer;
         ``('variant', key, Variant)``; ``('transition', key, key)``;
         ``('compare', key, key, forces)``; ``('native', key)`` for all of the native form but its
         object code, which ``('object', key, number)`` makes of each of its modules;
@@ -98,7 +100,10 @@ class Worker:
             case ('native', key):
                 yield from self._native(key)
             case ('object', key, number):
-                made = make_object(self._texts(key)[number], ObjectCache())
+                texts = self._texts(key)
+                made = make_object(texts[number], ObjectCache())
+                if number == len(texts) - 1:
+                    del self._modules[key]
                 yield pickle.dumps(('fine', None))
                 yield made
             case ('transition', before, after):
@@ -140,9 +145,8 @@ class Worker:
     def _compile(self, key: str, source: Any, *, tell: bool) -> Iterator[bytes]:
         known = self._known.get(key)
         if known is None:
-            file, backend, source_hash, data = source
             try:
-                compilation = self._compiled(data, file, backend, source_hash)
+                compilation = self._compiled(*source)
                 known = _Known(compilation=compilation, frames=(
                     *pack_layout(compilation.executable),
                     *pack_code(compilation.first(Variant()))))
@@ -161,14 +165,14 @@ class Worker:
             yield from known.frames
 
     def _compiled(
-        self, data: bytes, file: str, backend: str, source_hash: str,
+        self, file: str, backend: str, source_hash: str, packed: bytes,
     ) -> Compilation:
         """Compile a program: what it does not share with the last one."""
         before, work = self._made[-1] if self._made else (None, None)
-        reading = parse_next(data, file, before)
+        reading = parse_next(zlib.decompress(packed), file, before)
         compilation = compile_program(
             reading.program, backend=backend, source_hash=source_hash, earlier=work,
-            moved=reading.moved, again=again_from(reading.program, data, file))
+            moved=reading.moved, again=again_from(reading.program, packed, file))
         assert compilation.work is not None
         len(compilation.work.rungs)  # comparing needs them, and the last program's are at hand
         self._made.append((reading, compilation.work))
@@ -183,10 +187,19 @@ class Worker:
     def rest(self) -> None:
         """Let go what is there only to make the next answer come soon."""
         self._made.clear()
+        self._modules.clear()
+        give_back()
 
 
 def _size(program: Program) -> int:
     return sum(len(pou.rungs) for pou in program.pous)
+
+
+def await_request(requests: select.poll, worker: Worker) -> None:
+    """Wait for a request: nothing is buffered, as each awaits its answer."""
+    while not requests.poll(_IDLE_MS):
+        if is_scarce():
+            worker.rest()
 
 
 def main() -> None:
@@ -199,8 +212,7 @@ def main() -> None:
     requests = select.poll()
     requests.register(sys.stdin.buffer, select.POLLIN)
     while True:
-        if not requests.poll(_IDLE_MS):  # nothing is buffered: each request awaits its answer
-            worker.rest()
+        await_request(requests, worker)
         try:
             request = pickle.loads(receive(sys.stdin.buffer))
             if request[0] in WITH_DATA:

@@ -12,7 +12,7 @@ from ladder_ros.compiler.il_to_python import emit_python
 from ladder_ros.compiler.llvm_machine import make_object
 from ladder_ros.compiler.native import emit_native, load_native, NativeProgram, on_values
 from ladder_ros.compiler.native_lanes import arrange_lanes, load_lanes, NativeLanes
-from ladder_ros.compiler.native_state import StateForm
+from ladder_ros.compiler.native_state import NativeLayout
 from ladder_ros.compiler.object_cache import ObjectCache
 from ladder_ros.compiler.python_code import Emitted
 from ladder_ros.executable import ComponentEntry, LANES, Lanes, Scan, Slot, Variant
@@ -26,7 +26,7 @@ Components = Sequence[ComponentEntry]
 
 def python_code(
     code: InstructionList, slots: Slots, components: Components, variant: Variant,
-    form: StateForm | None, emitted: Emitted | None = None,
+    layout: NativeLayout | None, emitted: Emitted | None = None,
 ) -> Mapping[str, Scan]:
     """Return a variant's functions in Python; what is ``emitted`` is taken over, and filled."""
     functions, pieces = emit_python(
@@ -40,7 +40,7 @@ def python_code(
 
 def _interpreter(
     code: InstructionList, slots: Slots, components: Components, variant: Variant,
-    form: StateForm | None, emitted: Emitted | None = None,
+    layout: NativeLayout | None, emitted: Emitted | None = None,
 ) -> Mapping[str, Scan]:
     return interpret_il(code, slots, _indices(components), variant.forced)
 
@@ -51,13 +51,13 @@ def _indices(components: Components) -> Mapping[str, int]:
 
 def _native(
     code: InstructionList, slots: Slots, components: Components, variant: Variant,
-    form: StateForm | None, emitted: Emitted | None = None,
+    layout: NativeLayout | None, emitted: Emitted | None = None,
 ) -> Mapping[str, Scan]:
-    assert form is not None
+    assert layout is not None
     if variant.observed:
-        python = python_code(code, slots, components, variant, form)
+        python = python_code(code, slots, components, variant, layout)
         return {body: on_values(scan) for body, scan in python.items()}
-    program, rest = native_code(code, slots, components, variant, form)
+    program, rest = native_code(code, slots, components, variant, layout)
     return load_native(program, _objects(program), rest)
 
 
@@ -78,15 +78,16 @@ def _objects(program: NativeProgram) -> list[bytes]:
 
 
 def native_code(
-    code: InstructionList, slots: Slots, components: Components, variant: Variant, form: StateForm,
+    code: InstructionList, slots: Slots, components: Components, variant: Variant,
+    layout: NativeLayout,
 ) -> tuple[NativeProgram, Mapping[str, Scan]]:
     """Emit native code; return it, and the scan functions of what it leaves to Python."""
-    program = emit_native(code, slots, form.layout, variant.forced)
-    return program, python_code(program.rest, slots, components, variant, form)
+    program = emit_native(code, slots, layout, variant.forced)
+    return program, python_code(program.rest, slots, components, variant, layout)
 
 
 Backend = Callable[
-    [InstructionList, Slots, Components, Variant, 'StateForm | None', 'Emitted | None'],
+    [InstructionList, Slots, Components, Variant, 'NativeLayout | None', 'Emitted | None'],
     Mapping[str, Scan]]
 
 BACKENDS: Mapping[str, Backend] = {

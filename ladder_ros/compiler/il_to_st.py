@@ -56,6 +56,8 @@ class StEmitter:
     stack: list[_Value] = field(default_factory=list)
     memory: list[_Value] = field(default_factory=list)
     indent: str = ''
+    location: Location = Location()
+    """Of the body whose statements are emitted."""
     at: str = ''
     """In a POU with jumps: the variable that says which network comes next."""
     jumps: Mapping[str, int] = field(default_factory=dict)
@@ -153,8 +155,9 @@ class StEmitter:
         index = self.read(element.index).text
         found = re.findall(r'\[(-?\d+)\]', first)
         if len(found) != 1 or '{' in index:
-            raise LadderError.of('L0511', Location(), form='st', what=(
-                f'an element of {element.first} which several subscripts find'))
+            name = self.names.place(element.first).partition('[')[0]
+            raise LadderError.of('L0511', self.location, form='st', what=(
+                f'{name}[...] with several, or nested, calculated subscripts'))
         low = int(found[0])
         type_ = element.index.type
         bounds = [literal(n, type_) for n in (0, element.count)]

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.access_keys import storage_key
@@ -154,13 +154,16 @@ class _Layout:
         shared = replace(first, initial=initial, retain=first.retain or retain)
         self.slots.update(dict.fromkeys(paths, shared))
 
-    def add_scope(self, prefix: str, scope: Scope) -> None:
-        """Add what the instances of a POU keep, nested ones too."""
-        for name, composite in scope.instances.values():
-            self.add_instance(f'{prefix}{name}.', composite)
+    def add_scope(self, prefix: str, scope: Scope, externals: Collection[str] = ()) -> None:
+        """Add what the instances of a POU keep, nested ones too, but for ``externals``."""
+        elsewhere = {name.casefold() for name in externals}
+        for key, (name, composite) in scope.instances.items():
+            if key not in elsewhere:
+                self.add_instance(f'{prefix}{name}.', composite)
         if self.keeps_inputs:
-            for name, kind in scope.blocks.values():
-                self.add_block(prefix + name, kind)
+            for key, (name, kind) in scope.blocks.items():
+                if key not in elsewhere:
+                    self.add_block(prefix + name, kind)
 
     def add_instance(self, prefix: str, composite: Composite) -> None:
         """Add the variables of one instance of a composite."""
@@ -171,7 +174,7 @@ class _Layout:
             self.add(active_flag(prefix[:-1]).path, DataType.BOOL, SlotClass.SYSTEM, False)
         for variable in _kept(composite):
             self.add_variable(prefix, variable, _instance_class(composite, variable))
-        self.add_scope(prefix, self.scopes[pou_key(composite)])
+        self.add_scope(prefix, self.scopes[pou_key(composite)], composite.externals)
 
     def add_block(self, instance: str, kind: BlockKind) -> None:
         """Add the state of a function block instance."""

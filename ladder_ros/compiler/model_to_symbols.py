@@ -206,8 +206,10 @@ class _Resolver:
             d.name.casefold(),
             self._parameter(d) if isinstance(d, Parameter) else self._variable(d))
             for d in reversed(declared))
+        known = {name.casefold() for name in composite.externals}
+        outer = [one for one in self.program.blocks if one[0].casefold() in known]
         return self._with_instances(
-            composite.name, symbols, taken, composite.rungs, composite.blocks)
+            composite.name, symbols, taken, composite.rungs, (*outer, *composite.blocks))
 
     def _with_instances(
         self, pou: str, symbols: dict[str, Symbol], taken: dict[str, Location],

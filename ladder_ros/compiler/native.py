@@ -460,7 +460,8 @@ def _emit_release(
 def without_code(program: NativeProgram) -> NativeProgram:
     """Return what :func:`load_native` needs of a program besides its object code."""
     return replace(
-        program, modules=(), rest=InstructionList(routines=()),
+        program, layout=NativeLayout(offsets=(), types=(), size=0), modules=(),
+        rest=InstructionList(routines=()),
         parts={body: tuple(replace(part, networks=()) for part in parts)
                for body, parts in program.parts.items()})
 

@@ -21,6 +21,7 @@ from collections.abc import (
 )
 import ctypes
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import groupby, repeat
 from operator import itemgetter
 import struct
@@ -155,31 +156,64 @@ _VIEWS = {type_: 2 * _LETTERS.index(letter) for type_, letter in FORMAT.items()}
 _WHOLE, _TEXT_VIEW = 2 * len(_LETTERS), 2 * len(_LETTERS) + 1
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StateShape:
+    """What reading and writing states of a layout takes, in few bytes a slot.
+
+    ``size`` is in bytes; ``format``, of `struct`, has the values in the order of their offsets.
+    ``order`` are the slots in that order, ``typed`` of them, and then those of STRINGs.  Each slot
+    has the number of the view of the memory that it is in, odd where only ``outside`` writes
+    (``views``), and its place there (``places``).
+    """
+
+    size: int
+    format: str
+    order: array[int]
+    typed: int
+    views: bytes
+    places: array[int]
+
+    @classmethod
+    def of(cls, layout: NativeLayout) -> StateShape:
+        """Return a layout's."""
+        slots = list(zip(layout.offsets, layout.types, strict=True))
+        typed = sorted((offset, index) for index, (offset, _) in enumerate(slots) if offset >= 0)
+        texts = [index for index, (offset, _) in enumerate(slots) if offset < 0]
+        return cls(
+            size=layout.size, typed=len(typed),
+            order=array('I', [*(index for _, index in typed), *texts]),
+            format='=' + ''.join(f'{len(list(run))}{letter}' for letter, run in groupby(
+                _letters(typed, layout.types))),
+            views=bytes(
+                _TEXT_VIEW if offset < 0 else _VIEWS[type_] + (offset < layout.outside)
+                for offset, type_ in slots),
+            places=array('I', [
+                index if offset < 0 else offset // SIZE[type_]
+                for index, (offset, type_) in enumerate(slots)]))
+
+
 class StateForm:
     """Makes states of one layout; knows how to read and write all slots at once."""
 
-    def __init__(self, layout: NativeLayout) -> None:
-        """Prepare what all states of the layout share."""
-        self.layout = layout
-        typed = sorted((offset, index) for index, offset in enumerate(layout.offsets)
-                       if offset >= 0)
-        order = [index for _, index in typed]
-        self.texts = [index for index, offset in enumerate(layout.offsets) if offset < 0]
-        self.struct = struct.Struct('=' + ''.join(
-            f'{len(list(run))}{letter}' for letter, run in groupby(_letters(typed, layout.types))))
-        places = {index: place for place, index in enumerate((*order, *self.texts))}
-        self.gather = _picker([places[index] for index in range(len(layout.offsets))])
-        self.scatter = _picker(order)
-        self.views = bytes([
-            _TEXT_VIEW if offset < 0 else _VIEWS[type_] + (offset < layout.outside)
-            for offset, type_ in zip(layout.offsets, layout.types, strict=True)])
-        """The number of the view of the memory that each slot is in, odd where only ``outside``
-        writes."""
-        self.places = array('I', [
-            index if offset < 0 else offset // SIZE[type_]
-            for index, (offset, type_) in enumerate(
-                zip(layout.offsets, layout.types, strict=True))])
-        """Each slot's place in its view."""
+    def __init__(self, shape: StateShape) -> None:
+        """Share the shape among all states."""
+        self.shape = shape
+        self.texts = shape.order[shape.typed:]
+        """The slots of STRINGs."""
+        self.struct = struct.Struct(shape.format)
+
+    @cached_property
+    def gather(self) -> Callable[[Sequence[Value]], Sequence[Value]]:
+        """What puts values in the order of offsets, STRINGs behind them, into that of slots."""
+        places = array('I', self.shape.order)
+        for place, index in enumerate(self.shape.order):
+            places[index] = place
+        return _picker(places)
+
+    @cached_property
+    def scatter(self) -> Callable[[Sequence[Value]], Sequence[Value]]:
+        """What picks the values that are no STRINGs, in the order of offsets."""
+        return _picker(self.shape.order[:self.shape.typed])
 
     def __call__(self, values: Sequence[Value]) -> NativeState:
         """Return a state with these values, one a slot."""
@@ -247,17 +281,18 @@ class NativeState(MutableSequence[Value]):
         self.form = form
         self._kept: dict[int, weakref.ref[Owner]] = {}
         whole: Any
-        whole, self.address = _aligned(form.layout.size, _HEADER)
+        shape = form.shape
+        whole, self.address = _aligned(shape.size, _HEADER)
         self._signature = whole[_HEADER + SIGNATURE:_HEADER].cast('Q')
         self.arguments: dict[int, Argument] = {PLAIN: _argument(
             whole[_HEADER + TIME:_HEADER + TIME + 8], self.address)}
         """What native code is called with, by its number."""
         whole = whole[_HEADER:]
-        self._texts: list[Value] = [''] * (len(form.texts) and len(form.places))
+        self._texts: list[Value] = [''] * (len(form.texts) and len(shape.places))
         self._views: list[Any] = [
             view for letter in _LETTERS for view in (whole.cast(letter),) * 2]
         self._views += [whole, self._texts]
-        self._slot_views, self._places = form.views, form.places
+        self._slot_views, self._places = shape.views, shape.places
         self[:] = values
 
     def admit(self, owner: Owner) -> Argument:

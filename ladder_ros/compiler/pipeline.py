@@ -38,7 +38,7 @@ from ladder_ros.compiler.native import (
     layout_of,
     NativeProgram,
 )
-from ladder_ros.compiler.native_state import StateForm
+from ladder_ros.compiler.native_state import NativeLayout, StateForm, StateShape
 from ladder_ros.compiler.python_code import Emitted
 from ladder_ros.compiler.stages import (
     analyse,
@@ -127,25 +127,26 @@ def compile_program(
     index = {path: slot.index for path, slot in by_path.items()}
     tasks = list_tasks(program, by_path)
     slots = tuple({id(slot): slot for slot in by_path.values()}.values())
-    form = StateForm(layout_of(code, slots, index)) if backend == 'native' else None
-    builder = _Builder(by_path, form, work, partial(_once_more, again, completely) if (
+    layout = layout_of(code, slots, index) if backend == 'native' else None
+    builder = _Builder(by_path, layout, work, partial(_once_more, again, completely) if (
         again is not None) else None)
     components = Later(
         builder.components, lambda: count_components(builder.work().linked.code))
     executable = Executable(
-        name=program.name, backend=backend, slots=slots, make_state=form or list,
+        name=program.name, backend=backend, slots=slots,
+        make_state=list if layout is None else StateForm(StateShape.of(layout)),
         components=components, source_hash=source_hash,
         build=lambda variant: builder.build(variant, BACKENDS[backend]),
         entries=list_entries(program), by_path=by_path,
         tasks=tasks, rungs=Later(lambda: tuple(builder.work().rungs)),
         routines=list_routines(code, index),
-        lanes=None if form is None else lambda: builder.lanes(slots))
+        lanes=None if layout is None else lambda: builder.lanes(slots))
     return Compilation(
         executable=executable, work=work,
         diagnostics=missing + work.stages.diagnostics + check_coils(code, components),
-        first=executable.build if form is None else lambda variant: builder.build(
+        first=executable.build if layout is None else lambda variant: builder.build(
             variant, python_code),
-        native=None if form is None else builder.native)
+        native=None if layout is None else builder.native)
 
 
 def _work(
@@ -185,11 +186,11 @@ class _Builder:
     """
 
     def __init__(
-        self, by_path: Mapping[str, Slot], form: StateForm | None, work: Work,
+        self, by_path: Mapping[str, Slot], layout: NativeLayout | None, work: Work,
         again: Callable[[], Work] | None,
     ) -> None:
         self._by_path = by_path
-        self._form = form
+        self._layout = layout
         self._weak = ref(work)
         self._again = again
         self._kept = None if again is not None else work
@@ -221,13 +222,13 @@ class _Builder:
         if variant.observed:
             code = link_code(work.program, {
                 **lower(build_sequences(work.stages)), **work.stages.texts}).code
-        return backend(code, self._slots(), Later(self.components), variant, self._form,
+        return backend(code, self._slots(), Later(self.components), variant, self._layout,
                        work.emitted if variant == Variant() else None)
 
     def native(self) -> tuple[NativeProgram, Mapping[str, Scan]]:
-        assert self._form is not None
+        assert self._layout is not None
         return native_code(self.work().linked.code, self._slots(), Later(self.components),
-                            Variant(), self._form)
+                            Variant(), self._layout)
 
     def lanes(self, slots: Sequence[Slot]) -> Lanes | None:
         return many_copies(self.work().linked.code, self._slots(), slots)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import threading
 
 from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.garbage import give_back
 from ladder_ros.runtime.assurance import Assurance, Requirement
 from ladder_ros.runtime.changes import Change, Loaded
 from ladder_ros.runtime.controller import Controller
@@ -72,6 +73,7 @@ class ChangeDesk:
             self._expect(loaded)
             change = self._note(Change(
                 kind=ChangeKind.DOWNLOAD, loaded=loaded, time=self._stamp()))
+            give_back()
             speed_up(self._controller, loaded.executable)
             return change
 
@@ -234,6 +236,8 @@ class ChangeDesk:
             del executable
         with giving_way(self._controller.interval):
             free_slowly(pile, self._controller.breathe)
+            self._controller.breathe()
+            give_back()
 
 
 def is_same(one: Loaded, other: Loaded) -> bool:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import threading
 
 from ladder_ros.executable import Executable
+from ladder_ros.garbage import give_back
 from ladder_ros.runtime.controller import Controller
 from ladder_ros.runtime.quiet import giving_way
 
@@ -25,6 +26,8 @@ def speed_up(controller: Controller, executable: Executable) -> None:
             with giving_way(controller.interval):
                 before = controller.move_to(executable, make())
                 del before  # here: the scan thread is in a hurry
+                controller.breathe()
+                give_back()
         except Exception as error:
             controller.note_error(error)
 

@@ -52,6 +52,7 @@ from ladder_ros.source.xml_tree import (
     Element,
     Findings,
     parse_tree,
+    too_large,
     TooManyProblemsError,
 )
 
@@ -164,9 +165,7 @@ class _Importer:
             self.words[name.casefold()] = set(_words(element))
             self.calls[name.casefold()] = set(_calls(element))
         if len(self.project.pous) > MAX_POUS:
-            place = self.report.at(self.project.pous[MAX_POUS])
-            raise LadderError([problem(
-                'L0107', place, what=f'more than {MAX_POUS} POUs', limit=f'{MAX_POUS} POUs')])
+            raise too_large(self.report.at(self.project.pous[MAX_POUS]), 'POUs', MAX_POUS)
 
     def needed(self, schedule: Schedule) -> set[str]:
         """Return the POUs that something may run, by what runs calls or declares."""

@@ -116,7 +116,7 @@ def read_file(path: str | os.PathLike[str]) -> bytes:
     finally:
         os.close(descriptor)
     if len(data) > MAX_BYTES:
-        raise _too_large(place, 'bytes', MAX_BYTES)
+        raise too_large(place, 'bytes', MAX_BYTES)
     return data
 
 
@@ -157,7 +157,7 @@ def parse_tree(
     """
     place = Location(file=file)
     if len(data) > MAX_BYTES:
-        raise findings.stop(_too_large(place, 'bytes', MAX_BYTES).diagnostics[0])
+        raise findings.stop(too_large(place, 'bytes', MAX_BYTES).diagnostics[0])
     text = _decode(data, file)
     if (offset := _document_type(text)) is not None:
         line = text.count('\n', 0, offset) + 1
@@ -174,7 +174,8 @@ def parse_tree(
     return root
 
 
-def _too_large(place: Location, what: str, limit: int) -> LadderError:
+def too_large(place: Location, what: str, limit: int) -> LadderError:
+    """Return the error for more than there may be of something (L0107)."""
     return LadderError.of(
         'L0107', place, what=f'more than {limit} {what}', limit=f'{limit} {what}')
 
@@ -273,7 +274,7 @@ class _Reading:
         return Location(file=self.file, line=self.parser.CurrentLineNumber)
 
     def stop(self, what: str, limit: int) -> LadderError:
-        return self.findings.stop(_too_large(self.here(), what, limit).diagnostics[0])
+        return self.findings.stop(too_large(self.here(), what, limit).diagnostics[0])
 
     def enter(self, tag: str, attributes: dict[str, str], namespace: str = '') -> None:
         self.count += 1

@@ -20,7 +20,7 @@ from ladder_ros.compiler.il_text import parse_il
 from ladder_ros.compiler.il_to_groups import find_groups
 from ladder_ros.compiler.llvm_machine import make_object, why_missing
 from ladder_ros.compiler.native import emit_native, layout_of, load_native, NativeProgram
-from ladder_ros.compiler.native_state import ABREAST, StateForm
+from ladder_ros.compiler.native_state import ABREAST, StateForm, StateShape
 from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.compiler.program_to_plcopen import write_plcopen
 from ladder_ros.compiler.symbols import Ref
@@ -145,7 +145,7 @@ def run_both(code: InstructionList, types: Mapping[str, DataType], scans: int) -
     rows = [Slot(index=index, path=path, type=types.get(path, DataType.BOOL), initial=False,
                  slot_class=SlotClass.LOCAL, identity='') for path, index in slots.items()]
     layout = layout_of(code, rows, slots)
-    form, emitted = StateForm(layout), emit_native(code, slots, layout)
+    form, emitted = StateForm(StateShape.of(layout)), emit_native(code, slots, layout)
     native = load_native(emitted, [make_object(text) for text in emitted.modules], {})['main']
     wanted = interpret_il(code, slots, {}, frozenset())['main']
     dice = random.Random(5)

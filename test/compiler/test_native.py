@@ -23,7 +23,7 @@ from ladder_ros.compiler.event_kernel import BoundTables
 from ladder_ros.compiler.il import Call, Instruction, InstructionList, Network, Op, Routine
 from ladder_ros.compiler.llvm_machine import make_object
 from ladder_ros.compiler.native import emit_native, load_native
-from ladder_ros.compiler.native_state import arrange, NativeState, PLAIN, StateForm
+from ladder_ros.compiler.native_state import arrange, NativeState, PLAIN, StateForm, StateShape
 from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.compiler.symbols import Literal, Ref
 from ladder_ros.executable import (
@@ -123,8 +123,8 @@ def test_functions_when_compiled_then_give_what_python_gives() -> None:
             Instruction(op=Op.FUN, call=call), Instruction(op=Op.DRP))))
         place += len(refs)
     code = InstructionList(routines=(Routine(name='main', networks=tuple(networks)),))
-    form = StateForm(arrange(slots))
-    program = emit_native(code, names, form.layout)
+    layout = arrange(slots)
+    form, program = StateForm(StateShape.of(layout)), emit_native(code, names, layout)
     native_parts = sum(len(part.networks) == 0 for part in program.parts['main'])
     left = {network.rung for part in program.parts['main'] for network in part.networks}
     assert native_parts and len(left) < len(calls) // 4, program.why_not
@@ -262,7 +262,7 @@ def load_everything(program: Program) -> Scan:
 
 
 def test_state_when_an_owner_is_gone_then_another_does_not_find_what_it_noted() -> None:
-    state = StateForm(arrange([]))([])
+    state = StateForm(StateShape.of(arrange([])))([])
     owners = [BoundTables([0], [], 64) for _ in range(3)]
     for owner in owners:
         time, _ = state.admit(owner)
@@ -369,7 +369,7 @@ def test_state_when_values_of_all_types_are_written_then_reads_them_back() -> No
     slots = [Slot(index=index, path=f'v{index}', type=type_, slot_class=SlotClass.LOCAL,
                   initial=default_value(type_), identity='')
              for index, type_ in enumerate([*DataType, *DataType])]
-    state = StateForm(arrange(slots))([slot.initial for slot in slots])
+    state = StateForm(StateShape.of(arrange(slots)))([slot.initial for slot in slots])
     dice = random.Random(1)
     for _ in range(50):
         wanted = [dice.choice(('', 'text') if slot.type is DataType.STRING else
@@ -387,7 +387,7 @@ def test_state_when_values_of_all_types_are_written_then_reads_them_back() -> No
 def test_state_when_a_slot_is_removed_or_added_then_refuses() -> None:
     slots = [Slot(index=0, path='v', type=DataType.INT, slot_class=SlotClass.LOCAL, initial=0,
                   identity='')]
-    state = StateForm(arrange(slots))([5])
+    state = StateForm(StateShape.of(arrange(slots)))([5])
     with pytest.raises(TypeError):
         del state[0]
     with pytest.raises(TypeError):

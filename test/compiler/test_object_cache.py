@@ -64,6 +64,17 @@ def test_cache_when_it_grows_too_large_then_what_was_used_last_stays(tmp_path: P
     assert sum(path.stat().st_size for path in tmp_path.iterdir()) <= 3000
 
 
+def test_cache_when_little_is_written_then_the_folder_is_looked_through_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    looks: list[object] = []
+    scan = os.scandir
+    monkeypatch.setattr(os, 'scandir', lambda path: (looks.append(path), scan(path))[1])
+    for number in range(100):
+        ObjectCache(tmp_path, limit=100_000).write(ObjectCache.key(str(number)), bytes(100))
+    assert looks == [tmp_path, tmp_path]  # at first, and after a sixteenth of the limit
+
+
 def test_cache_when_its_folder_cannot_be_used_then_is_empty(tmp_path: Path) -> None:
     (tmp_path / 'file').write_text('')
     cache = ObjectCache(tmp_path / 'file')

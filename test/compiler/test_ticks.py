@@ -26,7 +26,7 @@ from ladder_ros.compiler.native import (
     NativeProgram,
     ticks_symbol,
 )
-from ladder_ros.compiler.native_state import NativeState, PLAIN, StateForm
+from ladder_ros.compiler.native_state import NativeState, PLAIN, StateForm, StateShape
 from ladder_ros.executable import Slot, SlotClass
 from ladder_ros.model.types import DataType, default_value, NS_PER_MS, Value
 
@@ -95,7 +95,7 @@ def test_timer_when_time_goes_on_then_every_value_is_that_of_executing_it(
     dice = random.Random(3)
     values: list[Value] = [default_value(row.type) for row in rows]
     values[slots['wait']] = 60 * NS_PER_MS
-    state, now, costs = StateForm(layout)(values), 0, set()
+    state, now, costs = StateForm(StateShape.of(layout))(values), 0, set()
     choices: dict[str, Sequence[Value]] = {
         'go': (True, True, False), 'x': (True, False),
         'wait': (60 * NS_PER_MS, 200 * NS_PER_MS, -1)}
