@@ -90,6 +90,8 @@ class Wishes:
 
     blocks: bool = True
     composites: bool = True
+    once: bool = True
+    """A second body, which runs once."""
     max_rows: int = 5
     max_width: int = 7
 
@@ -609,7 +611,7 @@ def random_case(rng: Random, wishes: Wishes | None = None) -> Case:
             if not is_input:
                 names.writable.setdefault(type_, []).append(name)
     bodies = []
-    if rng.randrange(4) == 0:  # the other body can see what its blocks gave
+    if rng.randrange(4) == 0 and wishes.once:  # the other body can see what its blocks gave
         small = replace(wishes, max_rows=2)
         bodies.append(Body(
             name='startup', run=RunKind.ONCE, rungs=make_rungs(rng, names, small, 1)))
