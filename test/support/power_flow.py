@@ -33,7 +33,7 @@ from ladder_ros.model.component import (
     Instance,
     Row,
 )
-from ladder_ros.model.program import CallKind, Composite, Pou, Program, Rung
+from ladder_ros.model.program import Body, CallKind, Composite, Pou, Program, Rung
 from ladder_ros.model.types import DataType, default_value, parse_literal, Value
 
 ARITHMETIC_ERRORS = '%arithmetic_errors'
@@ -517,7 +517,9 @@ class Reference:
         if key in frame.types:
             return frame.types[key]
         instance, _, pin_name = key.partition('.')
-        for rung in frame.pou.rungs:
+        # An instance that a body has is the program's: another one may read it.
+        pous = self._program.bodies if isinstance(frame.pou, Body) else (frame.pou,)
+        for rung in (rung for pou in pous for rung in pou.rungs):
             for component in rung.components:
                 if isinstance(component, Block) and component.instance.casefold() == instance:
                     pin = CATALOGUE[component.type.upper()].output(pin_name)
