@@ -20,9 +20,9 @@ import subprocess
 
 from support.plants import Plant, Spec, STATION_OUTPUTS
 
-_RUNGS = 250
+_RUNGS = 100
 """Rungs in a C function."""
-_FUNCTIONS = 8
+_FUNCTIONS = 20
 """C functions in a file."""
 
 _COMMON = """

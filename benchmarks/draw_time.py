@@ -17,7 +17,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / 'test'))
 from compiler.large import SHAPES
 from support.graphs import crossings
 
-from ladder_ros.compiler.pipeline import analyse
+from ladder_ros.compiler.stages import analyse
 from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.model.program import Program, Rung
 

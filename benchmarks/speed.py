@@ -4,6 +4,9 @@
 
 usage: python benchmarks/speed.py [--only NAME ...] [--large] [--folder DIR] [--matiec LIB]
 
+What compiling beside the scans costs, and the node beside bare nodes, are measured by
+swap_pause.py and ros_latency.py, which tell more of it.
+
 Scan times are compared with C that is made from the same rungs and compiled by gcc -O2: in
 MatIEC's style (to 2021, as OpenPLC 3 has it: what the targets are about; since 2022), and as an
 expert would write it.  All run in turn in this process, a hundred scans each after a hundred that
@@ -17,16 +20,15 @@ takes long.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 import contextlib
-from dataclasses import dataclass, replace
-import gc
+from dataclasses import replace
+import importlib.util
 from itertools import chain
 import os
 from pathlib import Path
 import pickle
 import random
-import shutil
 import statistics
 import subprocess
 import sys
@@ -36,193 +38,27 @@ import time
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT / 'test'), str(ROOT)]
 
-from c_peer import c_peer, Peer, STYLES  # noqa: E402
-from matiec_peer import iec2c, matiec_peer  # noqa: E402
-from support.plants import flat_plant, Plant, program_of, station_plant  # noqa: E402
+from contest import compare, Contest, MS, ROUNDS, steadiness  # noqa: E402
+from figures import Figure, spread  # noqa: E402
+from matiec_peer import iec2c  # noqa: E402
+import ros_latency  # noqa: E402
+from support.plants import flat_plant, program_of, station_plant  # noqa: E402
+from swap_pause import against_neighbour, deadlines  # noqa: E402
 
-from ladder_ros.compiler import il_to_groups  # noqa: E402
-from ladder_ros.compiler.llvm_machine import make_object, why_missing  # noqa: E402
-from ladder_ros.compiler.native import load_native  # noqa: E402
-from ladder_ros.compiler.object_cache import ObjectCache  # noqa: E402
-from ladder_ros.compiler.pipeline import Compilation, compile_program  # noqa: E402
-from ladder_ros.compiler.program_to_plcopen import write_plcopen  # noqa: E402
-from ladder_ros.executable import Executable, LANES, Scan, Variant  # noqa: E402
+from ladder_ros.compiler.llvm_machine import why_missing  # noqa: E402
+from ladder_ros.compiler.pipeline import compile_program  # noqa: E402
+from ladder_ros.executable import LANES, Variant  # noqa: E402
 from ladder_ros.runtime.lanes import Campaign  # noqa: E402
 from ladder_ros.runtime.scan_cycle import ScanCycle  # noqa: E402
+from ladder_ros.runtime.simulation import Simulation  # noqa: E402
 from ladder_ros.runtime.trace_csv import InputTable  # noqa: E402
 from ladder_ros.source.model_to_xml import write_program  # noqa: E402
 from ladder_ros.source.read_any import parse_any, read_any  # noqa: E402
 
-ROUNDS, SCANS = 21, 100
-MS = 1_000_000
-PEERS = {'matiec': 'C, matiec', 'matiec 2022': 'C, matiec 2022', 'expert': 'C, expert',
-         'iec2c': 'MatIEC itself'}
-MATIEC_RUNGS = 1000
-"""Rungs of the largest flat program that MatIEC itself compiles here."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Figure:
-    """A line of the table; ``met`` is None where there is no target, or nothing to compare."""
-
-    what: str
-    value: str
-    target: str = ''
-    met: bool | None = None
-
-    def __str__(self) -> str:
-        verdict = {True: 'met', False: 'MISSED', None: ''}[self.met]
-        return f'{self.what:58} {self.value:32} {self.target:14} {verdict}'
-
-
-def spread(values: Sequence[float], unit: str = '') -> str:
-    """Return the median, and the middle half in brackets."""
-    low, middle, high = statistics.quantiles(values, n=4)
-    return f'{middle:.3g}{unit} [{low:.3g}, {high:.3g}]'
+NODE_ROUNDS = 10
 
 
 # -- scans ---------------------------------------------------------------------------------------
-
-class Contest:
-    """A plant in several forms, which scan in turn on the same inputs."""
-
-    def __init__(
-        self, plant: Plant, folder: Path, form: str = 'xml', *, matiec: Path | None = None,
-    ) -> None:
-        self.plant = plant
-        self.rungs = len(plant.rungs) + plant.stations * len(plant.station)
-        program = program_of(plant)
-        if form == 'plcopen':
-            program = parse_any(write_plcopen(program).encode(), 'plant.xml')
-        compiled = compile_program(program, backend='native')
-        self.executable = compiled.executable
-        by_path = self.executable.by_path
-        self.index = {name: by_path[self._path(name)].index for name in plant.inputs}
-        self.runners: dict[str, Callable[[int], object]] = {}
-        self.states = {}
-        for name, scan in (('native', self.executable.build(Variant())),
-                           ('all', everything(compiled))):
-            self._add(name, next(iter(scan.values())))
-        self.peers: dict[str, Peer] = {}
-        if shutil.which('gcc'):
-            for style in STYLES:
-                self.peers[style] = c_peer(plant, style, folder / style)
-            if matiec is not None and len(plant.rungs) <= MATIEC_RUNGS:
-                self.peers['iec2c'] = matiec_peer(plant, matiec, folder / 'iec2c')
-        self.runners.update({style: peer.scan for style, peer in self.peers.items()})
-        if plant.stations:
-            with one_by_one():
-                alone = compile_program(program, backend='native').executable
-            self._add('one by one', next(iter(alone.build(Variant()).values())), alone)
-        self.dice, self.now = random.Random(1), 0
-        self.inputs = dict.fromkeys(plant.inputs, False)
-
-    def _path(self, name: str) -> str:
-        """Return a variable's path: an imported program's variables are an instance's."""
-        paths = self.executable.by_path
-        return name if name in paths else next(p for p in paths if p.endswith(f'.{name}'))
-
-    def _add(self, name: str, scan: Scan, executable: Executable | None = None) -> None:
-        state = self.states[name] = (executable or self.executable).initial_state()
-        self.runners[name] = lambda now: scan(state, now, None)
-
-    def _write(self, form: str, name: str, value: bool) -> None:
-        if form in self.states:
-            self.states[form][self.index[name]] = value
-        else:
-            self.peers[form].write(name, value)
-
-    def _changes(self, share: float) -> list[list[tuple[str, bool]]]:
-        """Return for each scan of a round the inputs that change: a share of them."""
-        found = []
-        for _ in range(2 * SCANS):
-            names = [name for name in self.inputs if self.dice.random() < share]
-            for name in names:
-                self.inputs[name] = not self.inputs[name]
-            found.append([(name, self.inputs[name]) for name in names])
-        return found
-
-    def run(
-        self, share: float, rounds: int = ROUNDS, *, again: bool = False,
-    ) -> Mapping[str, list[float]]:
-        """Return ns per rung and scan, of each form in each round.
-
-        In a round each form runs its scans one after the other, as it would alone: the first half,
-        in which the caches still have what others left there, is not measured.  ``again``
-        measures a second scan: what Python did to the caches when it wrote inputs is over then.
-        """
-        taken: dict[str, list[float]] = {name: [] for name in self.runners}
-        gc.disable()
-        for number in range(rounds + 2):
-            changes = self._changes(share)
-            for form, scan in self.runners.items():
-                total = 0
-                for place, changed in enumerate(changes):
-                    for name, value in changed:
-                        self._write(form, name, value)
-                    now = self.now + place * 10 * MS
-                    if again:
-                        scan(now)
-                    began = time.perf_counter_ns()
-                    scan(now)
-                    if place >= SCANS:
-                        total += time.perf_counter_ns() - began
-                if number >= 2:
-                    taken[form].append(total / SCANS / self.rungs)
-            self.now += len(changes) * 10 * MS
-        gc.enable()
-        self.check()
-        return taken
-
-    def check(self) -> None:
-        """Make sure that all computed the same."""
-        native = self.states['native']
-        for form, state in self.states.items():
-            assert list(native) == list(state), f'native forms differ: {form}'
-        if self.plant.stations:
-            names = [f'q{k}_{s}' for k in range(3) for s in range(self.plant.stations)]
-        else:
-            names = [spec.target for spec in self.plant.rungs]
-        for style, peer in self.peers.items():
-            wrong = [name for name in names if peer.read(name) != native[
-                self.executable.by_path[self._path(name)].index]]
-            assert not wrong, f'{style} differs in {wrong[:5]}'
-
-
-def everything(compiled: Compilation) -> Mapping[str, Scan]:
-    """Return scan functions that always execute everything."""
-    assert compiled.native is not None
-    program, rest = compiled.native()
-    objects = [make_object(text, ObjectCache()) for text in program.modules]
-    return load_native(program, objects, rest, by_events=False)
-
-
-@contextlib.contextmanager
-def one_by_one() -> Iterator[None]:
-    """Let no networks be executed abreast in what is compiled meanwhile."""
-    before = il_to_groups.LEAST_MEMBERS
-    il_to_groups.LEAST_MEMBERS = sys.maxsize
-    try:
-        yield
-    finally:
-        il_to_groups.LEAST_MEMBERS = before
-
-
-def compare(
-    contest: Contest, what: str, share: float, target: float, form: str = 'native',
-) -> Iterator[Figure]:
-    """Yield how one form compares with the C."""
-    taken = contest.run(share)
-    label = f'{what}, {share:.1%} of inputs change'
-    yield Figure(what=f'{label}: ns a rung', value=spread(taken[form]))
-    for style in contest.peers:
-        ratios = [c / ours for c, ours in zip(taken[style], taken[form], strict=True)]
-        goal = target if style == 'matiec' else 0.0
-        yield Figure(
-            what=f'{label}: times as fast as {PEERS[style]}', value=spread(ratios, 'x'),
-            target=f'{goal:g}x' if goal else '',
-            met=statistics.median(ratios) >= goal if goal else None)
-
 
 def scans(folder: Path, sizes: Sequence[int], matiec: Path | None) -> Iterator[Figure]:
     """Yield scan times over size and activity."""
@@ -249,16 +85,6 @@ def instances(folder: Path, matiec: Path | None) -> Iterator[Figure]:
                 ('one by one', f'{what}, one by one', 0.0)):
             yield from compare(contest, label, 0.01, target, form)
         yield steadiness(contest, f'{what}, a second scan', again=True)
-
-
-def steadiness(contest: Contest, what: str, *, again: bool = False) -> Figure:
-    """Tell how much the time of a scan of everything depends on the data."""
-    rounds = [[statistics.median(contest.run(share, 3, again=again)['all'])
-               for share in (0.0, 0.01, 0.1)] for _ in range(7)]
-    middles = [statistics.median(column) for column in zip(*rounds, strict=True)]
-    found = max(middles) / min(middles) - 1
-    return Figure(what=f'{what}, all executed: 0 to 10% of inputs change',
-                  value=f'{found:.0%} apart', target='20%', met=found <= 0.2)
 
 
 # -- ready ---------------------------------------------------------------------------------------
@@ -341,14 +167,18 @@ def lanes() -> Iterator[Figure]:
     tables = [InputTable(columns=columns, rows=tuple(
         tuple((slot.index, dice.random() < 0.5) for slot in columns if dice.random() < 0.02)
         for _ in range(1000))) for _ in range(LANES)]
-    taken = []
-    for executable in (native, replace(native, lanes=None)):
-        began = time.perf_counter()
-        Campaign(executable=executable, slots=native.io()[-5:], scans=1000,
-                 interval_ns=10 * MS, inputs=tables).run()
-        taken.append(time.perf_counter() - began)
+    ratios = []
+    for _ in range(5):
+        taken = []
+        for executable in (native, replace(native, lanes=None)):
+            began = time.perf_counter()
+            list(Campaign(simulations=[
+                Simulation(executable=executable, slots=native.io()[-5:], scans=1000,
+                           interval_ns=10 * MS, inputs=table) for table in tables]))
+            taken.append(time.perf_counter() - began)
+        ratios.append(taken[1] / taken[0])
     yield Figure(what='64 simulations of 1000 scans of 100 rungs, with tables and results',
-                 value=f'{taken[1] / taken[0]:.3g}x', target='', met=None)
+                 value=spread(ratios, 'x'), target='10x', met=statistics.median(ratios) >= 10)
 
 
 # -- other ---------------------------------------------------------------------------------------
@@ -370,6 +200,48 @@ def change() -> Figure:
     taken = time.perf_counter() - began
     return Figure(what='one rung of 10000 changed: candidate ready', value=f'{taken:.3g} s',
                   target='0.3 s', met=taken <= 0.3)
+
+
+def beside() -> Iterator[Figure]:
+    """Tell what compiling and changing programs costs the scans of every millisecond."""
+    with tempfile.TemporaryDirectory() as folder:
+        found = deadlines(Path(folder), rounds=4, tell=lambda _line: None)
+    for way in ('compiled and swapped', 'swapped'):
+        more, error = against_neighbour(found, way)
+        yield Figure(
+            what=f'1000 rungs every ms, {way}: missed, a thousand',
+            value=f'{more:+.2f} +- {error:.2f} to a neighbour', target='no more',
+            met=more <= 2 * error)
+
+
+# -- the node ------------------------------------------------------------------------------------
+
+def node() -> Iterator[Figure]:
+    """Yield what the node costs beside bare rclpy nodes, which run in turns with it."""
+    if importlib.util.find_spec('rclpy') is None:
+        print('ROS 2 is not there: the node is not compared')
+        return
+    ros_latency.stay_on_this_host()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for row in chain(ros_latency.measure_topics(NODE_ROUNDS, ros_latency.TURN, folder),
+                         ros_latency.measure_packed(NODE_ROUNDS, ros_latency.TURN, folder)):
+            what = 'processor time' if row['figure'] == 'cpu_percent' else 'latency'
+            packed = ', packed' if row['packed'] else ''
+            yield Figure(
+                what=f'node, {row["inputs"]} inputs{packed}: {what} over a bare node',
+                value=f'{row["ratio"]}x [{row["spread"]}]', target=f'{row["target"]}x',
+                met=row['verdict'] == 'met')
+        for row in ros_latency.measure_jitter(NODE_ROUNDS, ros_latency.TURN, folder):
+            what = f'1000 rungs every ms, 100 inputs, {row["scans"]}'
+            if row['scans'] == 'bare':
+                yield Figure(what='bare thread: over in time', value=f'{row["in_time"]}%')
+                continue
+            yield Figure(what=f'{what}: over in time', value=f'{row["in_time"]}%',
+                         target=f'{ros_latency.IN_TIME:g}%', met=row['enough'] == 'met')
+            yield Figure(what=f'{what}: jitter p99 over a bare thread',
+                         value=f'{row["ratio"]}x [{row["spread"]}]', target=f'{row["target"]}x',
+                         met=row['verdict'] == 'met')
 
 
 def call() -> Figure:
@@ -464,7 +336,7 @@ def main() -> int:
     """Print the table; exit with 1 if a target was missed."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument('--only', nargs='*', metavar='NAME', default=[
-        'call', 'ready', 'scans', 'instances', 'lanes', 'memory', 'change'])
+        'call', 'ready', 'scans', 'instances', 'lanes', 'memory', 'change', 'beside', 'node'])
     parser.add_argument('--sizes', nargs='*', type=int, default=[1000, 10_000])
     parser.add_argument('--large', action='store_true', help='100,000 rungs too')
     parser.add_argument('--folder', type=Path, help='where the C is compiled')
@@ -486,7 +358,7 @@ def main() -> int:
             'scans': lambda: scans(folder, sizes, matiec),
             'memory': lambda: chain.from_iterable(map(memory, sizes)),
             'instances': lambda: instances(folder, matiec), 'lanes': lanes,
-            'change': lambda: iter([change()])}
+            'change': lambda: iter([change()]), 'beside': beside, 'node': node}
         for name in options.only:
             for figure in sections[name]():
                 print(figure, flush=True)

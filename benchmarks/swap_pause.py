@@ -28,7 +28,7 @@ from __future__ import annotations
 
 import argparse
 from array import array
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass
 import gc
@@ -221,7 +221,10 @@ def missed(session: Session) -> tuple[int, int]:
     return found.skipped + found.overruns, found.skipped + found.scans
 
 
-def deadlines(folder: Path, rounds: int, seconds: float = 2.0) -> dict[str, list[float]]:
+def deadlines(
+    folder: Path, rounds: int, seconds: float = 2.0, *,
+    tell: Callable[[str], None] = lambda line: print(line, flush=True),
+) -> dict[str, list[float]]:
     """Return missed deadlines a thousand, a number a round, by what happens beside."""
     texts = [program(1000, extra=extra) for extra in (True, False)]
     files = []
@@ -267,20 +270,24 @@ def deadlines(folder: Path, rounds: int, seconds: float = 2.0) -> dict[str, list
                 late, of_them = culprit.late, culprit.own
                 own[name] = own.get(name, 0) + of_them
                 times[name] = times.get(name, 0) + count
-                print(f'{name:>22}{scans:>7} deadlines{lost:>6} missed by{late:>4} late scans, '
-                      f'{of_them:>2} of them beside work here{count:>6} times', flush=True)
-    print('missed, a thousand: ' + ', '.join(
+                tell(f'{name:>22}{scans:>7} deadlines{lost:>6} missed by{late:>4} late scans, '
+                     f'{of_them:>2} of them beside work here{count:>6} times')
+    tell('missed, a thousand: ' + ', '.join(
         f'{name} {mean(numbers):.2f} (median {median(numbers):.2f})'
         for name, numbers in found.items()))
-    print('late scans beside work in the process that scans: ' + ', '.join(
+    tell('late scans beside work in the process that scans: ' + ', '.join(
         f'{name} {own[name]} in {times[name]} changes'
         for name in ('compiled and swapped', 'swapped')))
     for name in ('idle', 'compiled and swapped', 'swapped'):
-        more = [one - other for one, other in zip(found[name], found['neighbour'], strict=True)]
-        error = stdev(more) / len(more) ** 0.5
-        print(f'{name} against neighbour: median {median(more):+.2f}, mean {mean(more):+.2f}, '
-              f'standard error {error:.2f}')
+        more, error = against_neighbour(found, name)
+        tell(f'{name} against neighbour: mean {more:+.2f}, standard error {error:.2f}')
     return found
+
+
+def against_neighbour(found: Mapping[str, Sequence[float]], way: str) -> tuple[float, float]:
+    """Return how many more were missed than beside a neighbour: the mean, its standard error."""
+    more = [one - other for one, other in zip(found[way], found['neighbour'], strict=True)]
+    return mean(more), stdev(more) / len(more) ** 0.5
 
 
 def resident() -> int:

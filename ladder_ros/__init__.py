@@ -3,9 +3,18 @@
 """Ladder diagrams made of composite components, compiled and run as a native ROS 2 node.
 
 The package reads a ladder program (its own XML or PLCopen TC6 XML), compiles it through a chain
-of small stages and runs it in scan cycles. ``ladder_ros.session`` is the one door to all of that;
-``ladder_ros.cli`` (the command ``ladder``) and ``ladder_ros.ros`` (the node ``plc_node``) are
-built on it. ``docs/pipeline.md`` shows the way of a program through the stages.
+of small stages and runs it in scan cycles. Six facades give all of that to those who import the
+package, and what they list in ``__all__`` is what stays:
+
+``session``      load a program, run, force, change and observe it, record and replay
+``showing``      drawings as text and SVG, reports
+``editing``      change rungs by operations that keep them right
+``refactoring``  measure, extract, inline, rename; libraries of composites
+``comparing``    what changed between two programs
+``proving``      whether two programs do the same, or one never does something
+
+The command ``ladder`` (``ladder_ros.cli``) and the node ``plc_node`` (``ladder_ros.ros``) are
+built on them alone. ``docs/pipeline.md`` shows the way of a program through the stages.
 """
 
 __version__ = '0.1.0'

@@ -145,6 +145,17 @@ def has_errors(diagnostics: Iterable[Diagnostic]) -> bool:
     return any(diagnostic.severity is Severity.ERROR for diagnostic in diagnostics)
 
 
+def raise_errors(diagnostics: Sequence[Diagnostic]) -> None:
+    """Raise LadderError with all of the diagnostics if any is an error."""
+    if has_errors(diagnostics):
+        raise LadderError(diagnostics)
+
+
+def refusal_of(error: Exception) -> str:
+    """Return why the operating system refused something, in its own words if it has any."""
+    return getattr(error, 'strerror', None) or str(error)
+
+
 def _bounded(text: str, limit: int = 120) -> str:
     """Keep what an untrusted file says from flooding a report."""
     text = ''.join(c if c.isprintable() else '\N{REPLACEMENT CHARACTER}' for c in text)

@@ -9,7 +9,7 @@ one Python value a slot, made by :meth:`Executable.initial_state` and given to e
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, MutableSequence, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, MutableSequence, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import Generic, overload, Protocol, TypeVar
@@ -228,17 +228,21 @@ LANES = 64
 """Copies of a program that run in one pass."""
 
 
+LaneChange = tuple[int, int, Value]
+"""What is written to a lane: (index of the slot, lane, value)."""
+
+
 class LaneState(Protocol):
     """The state of so many copies of a program; each is a *lane*."""
 
-    def write(self, index: int, lane: int, value: Value) -> None:
-        """Give a slot of one lane a value."""
+    def write(self, changes: Iterable[LaneChange]) -> None:
+        """Give slots of lanes values."""
 
-    def read(self, index: int, lane: int) -> Value:
-        """Return the value of a slot of one lane."""
+    def row(self, index: int) -> object:
+        """Return the values of a slot of all lanes, in a form that is quickly made."""
 
-    def row(self, index: int) -> tuple[Value, ...]:
-        """Return the values of a slot of all lanes."""
+    def by_lane(self, index: int, rows: Iterable[object]) -> Iterator[Sequence[Value]]:
+        """Yield for each lane the values that rows of a slot have of it."""
 
 
 LaneScan = Callable[[LaneState, int], None]

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The facade for measuring and refactoring program files: what the doors call.
 
-Every function that changes a program returns the new one as an :class:`Edit`; nothing here writes
-a file.  Mistakes of the user raise :class:`~ladder_ros.diagnostics.LadderError`.
+Every function that changes a program returns the new one as :class:`Refactored`; nothing here
+writes a file.  Mistakes of the user raise :class:`~ladder_ros.diagnostics.LadderError`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,9 @@ from dataclasses import dataclass, field, replace
 import os
 
 from ladder_ros.compiler.pipeline import check_program, compile_program
-from ladder_ros.diagnostics import has_errors, LadderError
+from ladder_ros.coordinates.imported import with_drawings
+from ladder_ros.diagnostics import LadderError, raise_errors
+from ladder_ros.drawing.program_svg import pou_pictures
 from ladder_ros.drawing.rung_text import draw_program, Style
 from ladder_ros.model.program import Composite, Program
 from ladder_ros.refactor import library
@@ -54,11 +56,11 @@ __all__ = [
     'DEFAULT_RUNS',
     'MOST_PARAMETERS',
     'Counts',
-    'Edit',
     'Goal',
     'Granularity',
     'LoadTime',
     'Measured',
+    'Refactored',
     'Repeat',
     'Viewed',
     'add_composites',
@@ -81,7 +83,7 @@ __all__ = [
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Edit:
+class Refactored:
     """A changed program: its text in canonical form, and what was done, a line each."""
 
     text: str
@@ -110,6 +112,7 @@ class Measured:
             'composites': [composite.to_json() for composite in self.composites]}
         if self.time is not None:
             found['load_ms'] = round(self.time.load * 1e3, 3)
+            found['show_ms'] = round(self.time.show * 1e3, 3)
             found['compile_ms'] = round(self.time.compile * 1e3, 3)
         return found
 
@@ -125,7 +128,7 @@ def measure_files(
     if runs:
         times = measure_loading(
             {path: lambda path=path: read_any(path) for path in programs},  # type: ignore[misc]
-            runs)
+            _show_bodies, runs)
     found = []
     for path in [os.fspath(one) for one in paths]:
         program = programs[path]
@@ -138,6 +141,14 @@ def measure_files(
     return tuple(found)
 
 
+def _show_bodies(program: Program) -> None:
+    """Draw a program's own rungs; composites are boxes in them."""
+    drawn = with_drawings(program)
+    for body in drawn.bodies:
+        for _picture in pou_pictures(drawn, body):
+            pass
+
+
 def find(
     path: str | os.PathLike[str], *, most_parameters: int = MOST_PARAMETERS,
 ) -> tuple[Repeat, ...]:
@@ -148,12 +159,12 @@ def find(
 def auto(
     path: str | os.PathLike[str], *, most_parameters: int = MOST_PARAMETERS,
     goal: Goal = Goal.COMPONENTS,
-) -> Edit:
+) -> Refactored:
     """Make composites of what repeats, the best first, until nothing pays."""
     before = _own(path)
     after, steps = refactor(before, most_parameters=most_parameters, goal=goal)
     saved = measure(before).counts - measure(after).counts
-    return _edit(after, (
+    return _refactored(after, (
         f'{step.name} for {", ".join(map(str, step.repeat.occurrences))}' for step in steps),
         steps=[step.to_json() for step in steps], saving=saved.to_json())
 
@@ -162,7 +173,7 @@ def extract(
     path: str | os.PathLike[str], *, pou: str, rungs: Sequence[str],
     components: Sequence[str] = (), name: str, everywhere: bool = False, category: str = '',
     specification: str = '',
-) -> Edit:
+) -> Refactored:
     """Make a composite of neighbouring rungs, or of components of one, and of all like them."""
     before = _own(path)
     if components and len(rungs) == 1:
@@ -176,52 +187,53 @@ def extract(
         program, replaced = extract_rungs(
             before, pou, rungs, name=name, everywhere=everywhere, category=category,
             specification=specification)
-    return _edit(program, (f'{name} for {fragment}' for fragment in replaced))
+    return _refactored(program, (f'{name} for {fragment}' for fragment in replaced))
 
 
 def inline(
     path: str | os.PathLike[str], *, composite: str = '', pou: str = '', instance: str = '',
-) -> Edit:
+) -> Refactored:
     """Draw out one instance in a POU, or all instances of a composite and remove that."""
     before = _own(path)
     if composite:
-        return _edit(inline_composite(before, composite), [f'{composite} is drawn out'])
+        return _refactored(inline_composite(before, composite), [f'{composite} is drawn out'])
     found = require_pou(before, pou)
-    return _edit(inline_instance(before, found, instance),
+    return _refactored(inline_instance(before, found, instance),
                  [f'{instance} in {found.name} is drawn out'])
 
 
-def rename(path: str | os.PathLike[str], old: str, new: str, *, composite: str = '') -> Edit:
+def rename(path: str | os.PathLike[str], old: str, new: str, *, composite: str = '') -> Refactored:
     """Rename something in the program, or a member of a composite."""
     before = _own(path)
     inside = require_composite(before, composite) if composite else None
-    return _edit(rename_in(before, old, new, inside), [f'{old} is now {new}'])
+    return _refactored(rename_in(before, old, new, inside), [f'{old} is now {new}'])
 
 
-def remove_unused(path: str | os.PathLike[str]) -> Edit:
+def remove_unused(path: str | os.PathLike[str]) -> Refactored:
     """Remove the variables, parameters, composites and tasks that nothing uses."""
     program, removed = remove_unused_from(_own(path))
-    return _edit(program, (f'removed {what}' for what in removed))
+    return _refactored(program, (f'removed {what}' for what in removed))
 
 
-def forget(path: str | os.PathLike[str]) -> Edit:
+def forget(path: str | os.PathLike[str]) -> Refactored:
     """Remove where state was: for when no running program is older than this one."""
-    return _edit(forget_in(_own(path)), ['removed where state was'])
+    return _refactored(forget_in(_own(path)), ['removed where state was'])
 
 
-def split(path: str | os.PathLike[str], *, pou: str, rung: str) -> Edit:
+def split(path: str | os.PathLike[str], *, pou: str, rung: str) -> Refactored:
     """Split a rung into the drawings in it that have only the power rails in common."""
     before = _own(path)
     found = require_pou(before, pou)
-    return _edit(split_rung(before, found, require_rung(found, rung)), [f'split rung {rung}'])
+    program = split_rung(before, found, require_rung(found, rung))
+    return _refactored(program, [f'split rung {rung}'])
 
 
-def merge(path: str | os.PathLike[str], *, pou: str, rungs: Sequence[str]) -> Edit:
+def merge(path: str | os.PathLike[str], *, pou: str, rungs: Sequence[str]) -> Refactored:
     """Draw neighbouring rungs as one."""
     before = _own(path)
     found = require_pou(before, pou)
     chosen = [require_rung(found, rung) for rung in rungs]
-    return _edit(merge_rungs(before, found, chosen), [f'merged rungs {", ".join(rungs)}'])
+    return _refactored(merge_rungs(before, found, chosen), [f'merged rungs {", ".join(rungs)}'])
 
 
 # -- libraries ------------------------------------------------------------------------------------
@@ -273,28 +285,28 @@ def view_composite(path: str | os.PathLike[str], name: str, *, ascii_only: bool 
         drawing=draw_program(program, composite.name, Style(ascii_only=ascii_only)))
 
 
-def export_composites(path: str | os.PathLike[str], name: str = '') -> Edit:
+def export_composites(path: str | os.PathLike[str], name: str = '') -> Refactored:
     """Return a library of one composite and those in it, or of all."""
     taken = library.take_out(_own(path), name)
-    return _edit(taken, (f'took out {composite.name}' for composite in taken.composites))
+    return _refactored(taken, (f'took out {composite.name}' for composite in taken.composites))
 
 
-def add_composites(path: str | os.PathLike[str], added: str | os.PathLike[str]) -> Edit:
+def add_composites(path: str | os.PathLike[str], added: str | os.PathLike[str]) -> Refactored:
     """Return a library or program with the composites of another file."""
     program, names = library.put_in(_own(path), _own(added))
-    return _edit(program, (f'added {name}' for name in names))
+    return _refactored(program, (f'added {name}' for name in names))
 
 
-def use_library(path: str | os.PathLike[str], name: str) -> Edit:
+def use_library(path: str | os.PathLike[str], name: str) -> Refactored:
     """Return a program that uses a library; its composites that are the same come from there."""
     program = _own(path)
     found = find_library(name, os.fspath(path), program.location)
     offered = read_any(found)
     changed, moved = library.use(program, offered, name, version_of(found))
-    return _edit(changed, (f'{composite} comes from {name}' for composite in moved))
+    return _refactored(changed, (f'{composite} comes from {name}' for composite in moved))
 
 
-def update_libraries(path: str | os.PathLike[str]) -> Edit:
+def update_libraries(path: str | os.PathLike[str]) -> Refactored:
     """Return a program that uses its libraries as they are now."""
     name = os.fspath(path)
     program = parse_program(read_file(path), name)
@@ -305,10 +317,8 @@ def update_libraries(path: str | os.PathLike[str]) -> Edit:
     changed = [use.library for use, version in zip(program.uses, versions, strict=True)
                if use.sha256[:HASH_DIGITS] != version]
     updated = replace(program, uses=uses)
-    found = check_program(with_libraries(updated, name))
-    if has_errors(found):
-        raise LadderError(found)
-    return _edit(updated, (f'{one} is another version' for one in changed))
+    raise_errors(check_program(with_libraries(updated, name)))
+    return _refactored(updated, (f'{one} is another version' for one in changed))
 
 
 def _own(path: str | os.PathLike[str]) -> Program:
@@ -317,11 +327,9 @@ def _own(path: str | os.PathLike[str]) -> Program:
     if program.dialect != 'native':
         raise LadderError.of('L0511', program.location, form='xml',
                              what='a program that was drawn elsewhere')
-    found = check_program(program)
-    if has_errors(found):
-        raise LadderError(found)
+    raise_errors(check_program(program))
     return program
 
 
-def _edit(program: Program, done: Iterable[str], **facts: object) -> Edit:
-    return Edit(text=write_program(program), done=tuple(done), facts=facts)
+def _refactored(program: Program, done: Iterable[str], **facts: object) -> Refactored:
+    return Refactored(text=write_program(program), done=tuple(done), facts=facts)

@@ -513,10 +513,9 @@ class Session:
         return executable
 
     def write(self, name: str, value: object, *, catch_pulse: bool = False) -> None:
-        """Give a variable a value before the next scan.
+        """Give a variable a value of its type, or its text (``parse_value``), before a scan.
 
-        ``value`` is a Python value of its type, or its text (see ``parse_value``).  With
-        ``catch_pulse`` a value that lasts for less than a scan is still seen by one.
+        With ``catch_pulse`` a value that lasts for less than a scan is still seen by one.
         """
         executable = self.executable
         slot = find_slot(executable, name, to_write=True)
@@ -569,10 +568,7 @@ class Session:
     # Reports
 
     def add_listener(self, listener: Listener) -> None:
-        """Call ``listener`` in the scan thread after each scan, failed ones included.
-
-        It may read, write and stop.  After a change none is called with the old program.
-        """
+        """Call ``listener`` in the scan thread after each scan; it may read, write and stop."""
         self._controller.add_listener(listener)
 
     def remove_listener(self, listener: Listener) -> None:
@@ -586,6 +582,10 @@ class Session:
     def add_change_listener(self, listener: Callable[[Change], None]) -> None:
         """Call ``listener``, which may read and write, with each change before its first scan."""
         self._desk.listeners = (*self._desk.listeners, listener)
+
+    def add_news_listener(self, listener: Callable[[], None]) -> None:
+        """Call ``listener``, in any thread, when the condition, but for errors, may change."""
+        self._controller.add_news_listener(listener)
 
     def condition(self) -> object:
         """Return what is equal as long as nothing has happened that is worth a new status."""

@@ -8,10 +8,7 @@ Nothing here writes a file.  Mistakes of the user raise
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-import csv
 from dataclasses import replace
-import json
 import os
 import re
 
@@ -23,11 +20,11 @@ from ladder_ros.drawing.program_html import program_html, Report
 from ladder_ros.drawing.program_svg import program_svg, ProgramStyle
 from ladder_ros.drawing.rung_text import draw_program, Style
 from ladder_ros.drawing.sketch import chosen_pous
-from ladder_ros.model.program import Pou, Program, Rung
+from ladder_ros.model.program import Pou, Program, with_rungs
 from ladder_ros.refactor.cross_reference import cross_reference
 from ladder_ros.refactor.metrics import Granularity, measure, Metrics
 from ladder_ros.source.read_any import read_any, read_with_source
-from ladder_ros.source.xml_tree import read_file
+from ladder_ros.source.values_file import read_values
 
 __all__ = ['as_html', 'as_svg', 'as_text']
 
@@ -81,14 +78,8 @@ def _as_drawn(program: Program) -> Program:
     try:
         return with_drawings(program)
     except LadderError:
-        return replace(
-            program,
-            bodies=tuple(replace(one, rungs=_on_grid(one)) for one in program.bodies),
-            composites=tuple(replace(one, rungs=_on_grid(one)) for one in program.composites))
-
-
-def _on_grid(pou: Pou) -> tuple[Rung, ...]:
-    return tuple(rung for rung in pou.rungs if rung.wires is None)
+        return with_rungs(program, lambda pou: tuple(
+            rung for rung in pou.rungs if rung.wires is None))
 
 
 def _facts(
@@ -137,56 +128,12 @@ def _style(program: Program, values: str | os.PathLike[str] | None) -> ProgramSt
     """
     if values is None:
         return ProgramStyle()
-    style = read_values(values)
+    live = read_values(values)
     known = {variable.name.casefold() for variable in program.variables}
     known |= {getattr(component, 'instance', '').casefold() for body in program.bodies
               for rung in body.rungs for component in rung.components}
-    named = {re.split(r'[.\[]', name)[0] for name in style.values or ()}
+    named = {re.split(r'[.\[]', name)[0] for name in live.values}
     if named and known.isdisjoint(named):
         raise LadderError.of('L0513', Location(file=os.fspath(values)), reason=(
             'none of its names is a variable of the program'))
-    return style
-
-
-def read_values(path: str | os.PathLike[str]) -> ProgramStyle:
-    """Read values, and the power flow if it is there.  Raises LadderError L0513."""
-    file = os.fspath(path)
-    try:
-        text = read_file(file).decode('utf-8-sig')
-        if text.lstrip().startswith('{'):
-            # What `ros2 topic echo` prints goes on after the document.
-            return _from_json(json.JSONDecoder().raw_decode(text.lstrip())[0])
-        rows = list(csv.reader(text.splitlines()))
-        if len(rows) < 2:
-            raise ValueError('a table has a row of names and rows of values')
-        return ProgramStyle(values=_texts(dict(zip(rows[0], rows[-1]))))  # noqa: B905
-    except (ValueError, TypeError, AttributeError, RecursionError, csv.Error) as error:
-        raise LadderError.of('L0513', Location(file=file), reason=error) from None
-
-
-def _from_json(found: Mapping[str, object]) -> ProgramStyle:
-    """Read a message of ``~/monitor``, or an object that has only the values."""
-    values, power, pou = found.get('values'), found.get('power'), found.get('pou', '')
-    if not isinstance(values, dict):
-        return ProgramStyle(values=_texts(found))
-    if power is None:
-        return ProgramStyle(values=_texts(values))
-    if not isinstance(power, dict) or not isinstance(pou, str):
-        raise TypeError('power is no object of rungs, or pou is no name')
-    return ProgramStyle(values=_texts(values), power={pou.casefold(): {
-        rung: {name: _is_on(name, on) for name, on in components.items()}
-        for rung, components in power.items()}})
-
-
-def _is_on(name: str, on: object) -> bool:
-    if not isinstance(on, (bool, int)):
-        raise TypeError(f'the power of {name} is neither true nor false')
-    return bool(on)
-
-
-def _texts(values: Mapping[str, object]) -> dict[str, str]:
-    """Return values as text by casefolded name."""
-    for name, value in values.items():
-        if not isinstance(value, (bool, int, float, str)):
-            raise TypeError(f'{name} is a list, an object or null')
-    return {name.casefold(): str(value) for name, value in values.items()}
+    return ProgramStyle(values=live.values, power=live.power)

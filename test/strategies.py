@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, is_dataclass, replace
+from functools import cache
 import struct
 from typing import TypeVar
 
@@ -25,6 +26,7 @@ from ladder_ros.model.component import (
     Row,
     Side,
 )
+from ladder_ros.model.names import why_illegal
 from ladder_ros.model.program import (
     Body,
     CallKind,
@@ -59,6 +61,7 @@ def without_locations(noun: T) -> T:
     return replace(noun, **changes)  # type: ignore[type-var]
 
 
+@cache
 def characters() -> st.SearchStrategy[str]:
     """Generate a character that XML has."""
     return st.one_of(
@@ -67,11 +70,13 @@ def characters() -> st.SearchStrategy[str]:
     )
 
 
+@cache
 def texts(max_size: int = 20) -> st.SearchStrategy[str]:
     """Generate free text: comments and names of components."""
     return st.text(characters(), max_size=max_size)
 
 
+@cache
 def specifications() -> st.SearchStrategy[str]:
     """Generate prose as it is after reading."""
     line = st.text(st.sampled_from(' \tab<&>\u00e9'), max_size=8)
@@ -79,20 +84,24 @@ def specifications() -> st.SearchStrategy[str]:
         st.just(''), texts(40), st.lists(line, max_size=5).map('\n'.join)).map(normalise_prose)
 
 
+@cache
 def names() -> st.SearchStrategy[str]:
     """Generate legal names."""
     letters = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'
     word = st.text(st.sampled_from(letters + '0123456789'), min_size=1, max_size=5)
     first = st.builds(str.__add__, st.sampled_from([*letters, '_a', '_7']), word)
     return st.builds(
-        lambda head, tail: '_'.join([head, *tail]), first, st.lists(word, max_size=2))
+        lambda head, tail: '_'.join([head, *tail]), first, st.lists(word, max_size=2),
+    ).filter(lambda name: not why_illegal(name))  # it may be a keyword: AT
 
 
+@cache
 def identifiers() -> st.SearchStrategy[str]:
     """Generate ids of rungs and components."""
     return st.text(st.sampled_from('abcXYZ0123456789_-'), min_size=1, max_size=8)
 
 
+@cache
 def operands() -> st.SearchStrategy[str]:
     """Generate what may stand as an operand; most are names, fields and literals."""
     field = st.builds(lambda owner, pin: f'{owner}.{pin}', names(), names())
@@ -101,6 +110,7 @@ def operands() -> st.SearchStrategy[str]:
     return st.one_of(names(), field, literal, free)
 
 
+@cache
 def values(type_: DataType) -> st.SearchStrategy[Value]:
     """Generate values of a data type that a literal can say."""
     if type_ is DataType.BOOL:
@@ -118,6 +128,7 @@ def values(type_: DataType) -> st.SearchStrategy[Value]:
     return st.integers(*INTEGER_RANGE[type_])
 
 
+@cache
 def placements(*, is_column: bool = False) -> st.SearchStrategy[Placement]:
     """Generate positions, sizes and sides."""
     coordinate = st.one_of(st.integers(0, 12), st.integers(0, NUMBER_LIMIT))
@@ -128,6 +139,7 @@ def placements(*, is_column: bool = False) -> st.SearchStrategy[Placement]:
         height=size, up=side, down=side)
 
 
+@cache
 def arguments(*kinds: str) -> st.SearchStrategy[Argument]:
     """Generate connections of a pin or parameter, of the kinds operand, source and row."""
     ways: dict[str, st.SearchStrategy[Argument]] = {
@@ -138,6 +150,7 @@ def arguments(*kinds: str) -> st.SearchStrategy[Argument]:
     return st.one_of(*(ways[kind] for kind in kinds))
 
 
+@cache
 def places(*, members: bool = False) -> st.SearchStrategy[tuple[str, ...]]:
     """Generate where state was in earlier programs."""
     place = st.builds(
@@ -151,6 +164,7 @@ def _few(items: st.SearchStrategy[T], limit: int = 3) -> st.SearchStrategy[tuple
     return st.lists(items, max_size=limit).map(tuple)
 
 
+@cache
 def components() -> st.SearchStrategy[Component]:
     """Generate components of every kind."""
     about = {
@@ -175,6 +189,7 @@ def components() -> st.SearchStrategy[Component]:
     )
 
 
+@cache
 def rungs(max_components: int = 4) -> st.SearchStrategy[Rung]:
     """Generate rungs of components that need not fit together, or of one instance."""
     return st.one_of(rungs_of_one_instance(), st.builds(
@@ -182,6 +197,7 @@ def rungs(max_components: int = 4) -> st.SearchStrategy[Rung]:
         components=_few(components(), max_components), comment=texts()))
 
 
+@cache
 @st.composite
 def rungs_of_one_instance(draw: st.DrawFn) -> Rung:
     """Generate rungs that an instance fills, or almost."""
@@ -196,6 +212,7 @@ def rungs_of_one_instance(draw: st.DrawFn) -> Rung:
     return Rung(id=draw(identifiers()), width=width, components=(instance,), comment=draw(texts()))
 
 
+@cache
 @st.composite
 def variables(draw: st.DrawFn, *, in_composite: bool = False) -> Variable:
     """Generate variables with an initial value of their type."""
@@ -208,6 +225,7 @@ def variables(draw: st.DrawFn, *, in_composite: bool = False) -> Variable:
         comment=draw(texts()))
 
 
+@cache
 @st.composite
 def parameters(draw: st.DrawFn) -> Parameter:
     """Generate parameters; some inputs have a default."""
@@ -219,6 +237,7 @@ def parameters(draw: st.DrawFn) -> Parameter:
         default=draw(values(type_)) if has_default else None, comment=draw(texts()))
 
 
+@cache
 def composites() -> st.SearchStrategy[Composite]:
     """Generate composite definitions."""
     return st.builds(
@@ -228,6 +247,7 @@ def composites() -> st.SearchStrategy[Composite]:
         specification=specifications())
 
 
+@cache
 def bodies() -> st.SearchStrategy[Body]:
     """Generate program bodies."""
     return st.builds(
@@ -235,6 +255,7 @@ def bodies() -> st.SearchStrategy[Body]:
         task=st.one_of(st.just(''), names()), comment=texts())
 
 
+@cache
 def tasks() -> st.SearchStrategy[Task]:
     """Generate tasks."""
     about = {
@@ -246,6 +267,7 @@ def tasks() -> st.SearchStrategy[Task]:
         st.builds(Task, interval=st.one_of(st.just(0), interval), single=names(), **about))
 
 
+@cache
 def programs() -> st.SearchStrategy[Program]:
     """Generate programs that a file can say; nothing in them need resolve or connect."""
     return st.builds(

@@ -6,47 +6,36 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 from ladder_ros import editing
-from ladder_ros.cli.programs import find_program
+from ladder_ros.cli.actions import Action, add_actions, run_action
 from ladder_ros.cli.terminal import shows_box_characters, write_file
-from ladder_ros.cli.verb import add_json, Answer, Verb
+from ladder_ros.cli.verb import Answer, Verb
 
 _Parser = argparse.ArgumentParser
 _Edits = Sequence[editing.Edit]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Action:
-    """One word behind the program: its options, and the edits that they mean."""
+def _action(
+    summary: str, add: Callable[[_Parser], None], edits: Callable[[argparse.Namespace], _Edits],
+) -> Action:
+    """Return a word behind the program that means some edits."""
+    def add_all(parser: _Parser) -> None:
+        add(parser)
+        parser.add_argument('--pou', metavar='NAME', default='',
+                            help='the body or composite; not needed if there is just one body')
+        parser.add_argument('--columns', metavar='N', type=int, default=editing.COLUMNS,
+                            help=f'how wide a rung may become (default {editing.COLUMNS})')
+        parser.add_argument('--ascii', action='store_true', help='draw with ASCII characters')
+        parser.add_argument('-o', '--output', metavar='FILE',
+                            help='write the program to this file, which may be the same')
 
-    summary: str
-    add: Callable[[_Parser], None]
-    edits: Callable[[argparse.Namespace], _Edits]
-
-
-def _add_arguments(parser: _Parser) -> None:
-    actions = parser.add_subparsers(dest='action', metavar='ACTION', required=True)
-    for name, action in ACTIONS.items():
-        one = actions.add_parser(
-            name, help=action.summary, description=action.summary, allow_abbrev=False)
-        action.add(one)
-        one.add_argument('--pou', metavar='NAME', default='',
-                         help='the body or composite; not needed if there is just one body')
-        one.add_argument('--columns', metavar='N', type=int, default=editing.COLUMNS,
-                         help=f'how wide a rung may become (default {editing.COLUMNS})')
-        one.add_argument('--ascii', action='store_true', help='draw with ASCII characters')
-        one.add_argument('-o', '--output', metavar='FILE',
-                         help='write the program to this file, which may be the same')
-        add_json(one)
+    return Action(summary=summary, add=add_all, run=lambda args: _run(args, edits(args)))
 
 
-def _run(args: argparse.Namespace) -> Answer:
+def _run(args: argparse.Namespace, edits: _Edits) -> Answer:
     ascii_only = args.ascii or (not args.json and not shows_box_characters())
-    edits = ACTIONS[args.action].edits(args)
-    edited = editing.edit_file(
-        find_program(args.program), edits, columns=args.columns, ascii_only=ascii_only)
+    edited = editing.edit_file(args.program, edits, columns=args.columns, ascii_only=ascii_only)
     facts: dict[str, object] = {
         'edits': [editing.edit_to_json(edit) for edit in edits],
         'places': [{'pou': p.pou, 'rung': p.rung, 'component': p.component}
@@ -233,23 +222,19 @@ def _apply(args: argparse.Namespace) -> _Edits:
     return editing.read_edits(args.edits)
 
 
-ACTIONS: Mapping[str, _Action] = {
-    'add-series': _Action(
-        summary='put a component in series', add=_add_add_series, edits=_add_series),
-    'add-parallel': _Action(
-        summary='put a component in parallel to one or to a span', add=_add_add_parallel,
-        edits=_add_parallel),
-    'add-output': _Action(
-        summary='lead a new branch to an output', add=_add_add_output, edits=_add_output),
-    'delete': _Action(summary='delete a component', add=_add_target, edits=_delete),
-    'set': _Action(summary="change a component's operand, kind or pins", add=_add_set, edits=_set),
-    'new-rung': _Action(
-        summary='add a rung with its output', add=_add_new_rung, edits=_new_rung),
-    'set-rung': _Action(summary="change a rung's comment", add=_add_set_rung, edits=_set_rung),
-    'delete-rung': _Action(summary='delete a rung', add=_add_rung, edits=_delete_rung),
-    'move-rung': _Action(summary='move a rung', add=_add_move_rung, edits=_move_rung),
-    'copy-rung': _Action(summary='copy a rung', add=_add_copy_rung, edits=_copy_rung),
-    'apply': _Action(summary='do the edits of a file', add=_add_apply, edits=_apply),
+ACTIONS: Mapping[str, Action] = {
+    'add-series': _action('put a component in series', _add_add_series, _add_series),
+    'add-parallel': _action(
+        'put a component in parallel to one or to a span', _add_add_parallel, _add_parallel),
+    'add-output': _action('lead a new branch to an output', _add_add_output, _add_output),
+    'delete': _action('delete a component', _add_target, _delete),
+    'set': _action("change a component's operand, kind or pins", _add_set, _set),
+    'new-rung': _action('add a rung with its output', _add_new_rung, _new_rung),
+    'set-rung': _action("change a rung's comment", _add_set_rung, _set_rung),
+    'delete-rung': _action('delete a rung', _add_rung, _delete_rung),
+    'move-rung': _action('move a rung', _add_move_rung, _move_rung),
+    'copy-rung': _action('copy a rung', _add_copy_rung, _copy_rung),
+    'apply': _action('do the edits of a file', _add_apply, _apply),
 }
 """The words behind the program."""
 
@@ -263,4 +248,4 @@ VERB = Verb(
               'edit start_stop add-parallel 1 c2 --until c3 --contact start',
               'edit start_stop delete 1 c3',
               'edit start_stop new-rung --coil ready --before 2'),
-    add_arguments=_add_arguments, run=_run)
+    add_arguments=add_actions(ACTIONS), run=run_action(ACTIONS))

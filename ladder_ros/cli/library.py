@@ -8,7 +8,7 @@ import argparse
 from collections.abc import Iterator, Mapping, Sequence
 
 from ladder_ros import refactoring
-from ladder_ros.cli.actions import Action, add_actions, edited, run_action
+from ladder_ros.cli.actions import Action, add_actions, refactored, run_action
 from ladder_ros.cli.terminal import shows_box_characters
 from ladder_ros.cli.verb import add_output, Answer, Verb
 from ladder_ros.refactoring import Viewed
@@ -75,7 +75,7 @@ def _add_export(parser: _Parser) -> None:
 
 
 def _export(args: argparse.Namespace) -> Answer:
-    return edited(refactoring.export_composites(args.program, args.name), args)
+    return refactored(refactoring.export_composites(args.program, args.name), args)
 
 
 def _add_add(parser: _Parser) -> None:
@@ -84,7 +84,7 @@ def _add_add(parser: _Parser) -> None:
 
 
 def _add(args: argparse.Namespace) -> Answer:
-    return edited(refactoring.add_composites(args.program, args.file), args)
+    return refactored(refactoring.add_composites(args.program, args.file), args)
 
 
 def _add_use(parser: _Parser) -> None:
@@ -94,11 +94,11 @@ def _add_use(parser: _Parser) -> None:
 
 
 def _use(args: argparse.Namespace) -> Answer:
-    return edited(refactoring.use_library(args.program, args.library), args)
+    return refactored(refactoring.use_library(args.program, args.library), args)
 
 
 def _update(args: argparse.Namespace) -> Answer:
-    return edited(refactoring.update_libraries(args.program), args)
+    return refactored(refactoring.update_libraries(args.program), args)
 
 
 ACTIONS: Mapping[str, Action] = {

@@ -56,6 +56,7 @@ def _rows(now: Measured, before: Measured) -> Iterator[tuple[str, str, str, floa
         yield name, f'{old}{unit}', f'{new}{unit}', _share(old, new)
     if now.time is not None and before.time is not None:
         for name, then, today in (('load time', before.time.load, now.time.load),
+                                  ('time to show', before.time.show, now.time.show),
                                   ('compile time', before.time.compile, now.time.compile)):
             yield name, f'{then * 1e3:.2f} ms', f'{today * 1e3:.2f} ms', _share(then, today)
 
@@ -95,10 +96,11 @@ def _composites(composites: tuple[Granularity, ...]) -> Iterator[str]:
 
 VERB = Verb(
     name='metrics',
-    summary='count components, settings, size and load time',
+    summary='count components, settings, size, time to load and to show',
     description='Count what a program takes to draw (components, parameter settings, connection '
-                'settings, a definition once), its size in canonical form and its load time, and '
-                'tell how well its composites are cut.',
+                'settings, a definition once), its size in canonical form, how long it takes to '
+                'load, to show and to compile (processor time), and tell how well its composites '
+                'are cut.',
     examples=('metrics elevator_3_floor.xml',
               'metrics elevator_3_floor.xml --against elevator_3_floor_flat.xml',
               'metrics start_stop --runs 0 --json'),

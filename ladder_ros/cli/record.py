@@ -54,7 +54,7 @@ def _scan(
     running: session.Session, clock: SimulatedClock, simulation: session.Simulation,
 ) -> None:
     """Let one scan after the other happen; the inputs of each are written before it."""
-    rows = simulation.inputs.rows if simulation.inputs else ()
+    rows = simulation.rows
     for number in range(max(simulation.scans, 0)):
         if number < len(rows):
             running.write_slots((index, value, False) for index, value in rows[number])

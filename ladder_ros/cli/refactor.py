@@ -8,7 +8,7 @@ import argparse
 from collections.abc import Iterator, Mapping, Sequence
 
 from ladder_ros import refactoring
-from ladder_ros.cli.actions import Action, add_actions, edited, run_action
+from ladder_ros.cli.actions import Action, add_actions, refactored, run_action
 from ladder_ros.cli.verb import add_output, Answer, Verb
 from ladder_ros.refactoring import Goal, Repeat
 
@@ -54,7 +54,7 @@ def _add_auto(parser: _Parser) -> None:
 
 
 def _auto(args: argparse.Namespace) -> Answer:
-    return edited(
+    return refactored(
         refactoring.auto(
             args.program, most_parameters=args.most_parameters, goal=Goal(args.goal)), args)
 
@@ -81,7 +81,7 @@ def _add_pou(parser: _Parser) -> None:
 
 
 def _extract(args: argparse.Namespace) -> Answer:
-    return edited(refactoring.extract(
+    return refactored(refactoring.extract(
         args.program, pou=args.pou, rungs=args.rungs, components=args.components,
         name=args.name, everywhere=args.everywhere, category=args.category,
         specification=args.specification), args)
@@ -99,7 +99,7 @@ def _add_inline(parser: _Parser) -> None:
 
 
 def _inline(args: argparse.Namespace) -> Answer:
-    return edited(refactoring.inline(
+    return refactored(refactoring.inline(
         args.program, composite=args.composite, pou=args.pou, instance=args.instance), args)
 
 
@@ -112,16 +112,16 @@ def _add_rename(parser: _Parser) -> None:
 
 
 def _rename(args: argparse.Namespace) -> Answer:
-    return edited(
+    return refactored(
         refactoring.rename(args.program, args.old, args.new, composite=args.composite), args)
 
 
 def _remove_unused(args: argparse.Namespace) -> Answer:
-    return edited(refactoring.remove_unused(args.program), args)
+    return refactored(refactoring.remove_unused(args.program), args)
 
 
 def _forget(args: argparse.Namespace) -> Answer:
-    return edited(refactoring.forget(args.program), args)
+    return refactored(refactoring.forget(args.program), args)
 
 
 def _add_split(parser: _Parser) -> None:
@@ -131,7 +131,7 @@ def _add_split(parser: _Parser) -> None:
 
 
 def _split(args: argparse.Namespace) -> Answer:
-    return edited(refactoring.split(args.program, pou=args.pou, rung=args.rung), args)
+    return refactored(refactoring.split(args.program, pou=args.pou, rung=args.rung), args)
 
 
 def _add_merge(parser: _Parser) -> None:
@@ -142,7 +142,7 @@ def _add_merge(parser: _Parser) -> None:
 
 
 def _merge(args: argparse.Namespace) -> Answer:
-    return edited(refactoring.merge(args.program, pou=args.pou, rungs=args.rungs), args)
+    return refactored(refactoring.merge(args.program, pou=args.pou, rungs=args.rungs), args)
 
 
 ACTIONS: Mapping[str, Action] = {

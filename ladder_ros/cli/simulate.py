@@ -5,8 +5,11 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
+import os
 
 from ladder_ros import session
+from ladder_ros.cli import terminal
 from ladder_ros.cli.programs import find_program
 from ladder_ros.cli.verb import add_output, Answer, Verb
 from ladder_ros.diagnostics import LadderError, Location
@@ -17,7 +20,8 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--inputs', metavar='IN.csv',
         help='table of values: a header of variable names, then a row a scan; an empty cell '
-             'holds the last value; BOOL is 0 or 1, TIME is in milliseconds')
+             'holds the last value; BOOL is 0 or 1, TIME is in milliseconds. Or a folder of '
+             'tables, each a simulation of its own (see --into)')
     parser.add_argument(
         '--scans', metavar='N', type=_count,
         help=f'number of scans (default: the rows of the table, else {session.DEFAULT_SCANS})')
@@ -31,6 +35,10 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         '--watch', metavar='A,B', action='append', default=[],
         help='the variables to print, dotted paths reach into instances (default: inputs and '
              'outputs)')
+    parser.add_argument(
+        '--into', metavar='FOLDER',
+        help='write what comes of each table to a file of its name in this folder; '
+             '--backend native runs 64 tables in one pass')
     add_output(parser)
 
 
@@ -47,9 +55,16 @@ def _count(text: str) -> int:
 def _run(args: argparse.Namespace) -> Answer:
     interval = None if args.interval is None else _interval(args.interval)
     watch = [name.strip() for names in args.watch for name in names.split(',') if name.strip()]
+    tables = _tables(args.inputs, args.into, args.output)
     loaded = session.compile_file(find_program(args.program), args.backend)
-    simulation = session.simulate(
-        loaded, inputs=args.inputs, scans=args.scans, interval_ns=interval, watch=watch)
+
+    def simulate(table: str | None) -> session.Simulation:
+        return session.simulate(
+            loaded, inputs=table, scans=args.scans, interval_ns=interval, watch=watch)
+
+    if tables:
+        return _campaign(loaded, {table: simulate(table) for table in tables}, args.into)
+    simulation = simulate(args.inputs)
     facts: dict[str, object] = {
         'backend': loaded.backend, 'scans': simulation.scans,
         'interval_ms': simulation.interval_ns / 1e6, 'columns': simulation.header}
@@ -61,6 +76,60 @@ def _run(args: argparse.Namespace) -> Answer:
             for row in simulation]
     return Answer(text=simulation.csv(), facts=facts, diagnostics=loaded.diagnostics,
                   output=args.output, is_data=True)
+
+
+def _tables(inputs: str | None, folder: str | None, output: str | None) -> list[str]:
+    """Return the tables of which each is a simulation with a file in the folder; or none.
+
+    Raises LadderError (L0501, L0514) if that cannot be.
+    """
+    def not_together(first: str, second: str, expected: str) -> LadderError:
+        return LadderError.of('L0514', Location(), first=first, second=second, expected=expected)
+
+    if inputs is None or folder is None:
+        if folder is not None:
+            raise not_together('--into', 'no table of inputs', 'give tables with --inputs')
+        if inputs is not None and os.path.isdir(inputs):
+            raise not_together(f'the folder {inputs}', 'one table of results',
+                               'tell with --into FOLDER where a file for each table is to be')
+        return []
+    if output is not None:
+        raise not_together('--into', '-o', 'each table of inputs has a file in the folder')
+    tables = [inputs]
+    if os.path.isdir(inputs):
+        try:
+            names = sorted(os.listdir(inputs))
+        except OSError as error:
+            raise LadderError.of('L0501', Location(file=inputs), reason=error.strerror,
+                                 expected='check the permissions') from None
+        tables = [os.path.join(inputs, name) for name in names
+                  if name.casefold().endswith('.csv')]
+    if not tables:
+        raise LadderError.of('L0501', Location(file=inputs), reason='there is none in the folder',
+                             expected='names of tables end in .csv')
+    if os.path.realpath(folder) == os.path.realpath(os.path.dirname(tables[0])):
+        raise not_together(f'--inputs {inputs}', f'--into {folder}',
+                           'the tables would be overwritten: choose another folder')
+    return tables
+
+
+def _campaign(
+    loaded: session.Loaded, simulations: Mapping[str, session.Simulation], folder: str,
+) -> Answer:
+    """Run the simulations of some tables, each to its file.  Raises LadderError (L0506, L0507)."""
+    try:
+        os.makedirs(folder, exist_ok=True)
+    except OSError as error:
+        raise LadderError.of('L0507', Location(file=folder), reason=error.strerror) from None
+    campaign = session.Campaign(simulations=tuple(simulations.values()))
+    done = []
+    for (table, simulation), rows in zip(simulations.items(), campaign, strict=True):
+        target = os.path.join(folder, os.path.basename(table))
+        terminal.write_file(target, simulation.csv(rows))
+        done.append({'inputs': table, 'output': target, 'scans': simulation.scans})
+    return Answer(
+        text=[f'{one["scans"]} scans are in {one["output"]}\n' for one in done],
+        facts={'backend': loaded.backend, 'simulations': done}, diagnostics=loaded.diagnostics)
 
 
 def _interval(text: str) -> int:
@@ -75,8 +144,10 @@ VERB = Verb(
     name='simulate',
     summary='run scans without ROS, from a table of inputs to a table of outputs',
     description='Run a program scan by scan: the first scan is at time 0, the k-th at k times the '
-                'interval. Inputs come from a table (CSV), values after each scan go to another.',
+                'interval. Inputs come from a table (CSV), values after each scan go to another. '
+                'A folder of tables is a campaign of simulations.',
     examples=('simulate start_stop.xml --inputs presses.csv',
               'simulate traffic_light --scans 100 --interval 1s --watch red,green',
-              'simulate line.xml --inputs in.csv --backend interpreter -o out.csv'),
+              'simulate line.xml --inputs in.csv --backend interpreter -o out.csv',
+              'simulate line.xml --inputs cases --into results --backend native'),
     add_arguments=_add_arguments, run=_run)

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import os
 import sys
 
-from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.diagnostics import LadderError, Location, refusal_of
 
 
 def complete_streams() -> None:
@@ -68,7 +68,7 @@ def write_file(path: str, text: Iterable[str]) -> None:
         with open(path, 'w', encoding='utf-8', errors='replace', newline='') as file:
             file.writelines(text)
     except (OSError, ValueError) as error:
-        reason = getattr(error, 'strerror', None) or str(error)
+        reason = refusal_of(error)
         raise LadderError.of('L0507', Location(file=path), reason=reason) from None
 
 

@@ -15,9 +15,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.il import Instruction
-from ladder_ros.compiler.symbols import Operand, Ref, Resolved
+from ladder_ros.compiler.symbols import is_temporary, Operand, Ref, Resolved
 from ladder_ros.compiler.wiring import describe, Rail
 from ladder_ros.model.component import Block, Coil, Component, Contact, Instance, Jump
+
+NOT = '%NOT'
+"""Type of a block that negates power at a pin of another one (imported drawings)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,7 +71,7 @@ def describe_symbol(symbol: SymbolVertex) -> str:
 def operand_text(symbol: SymbolVertex) -> str:
     """Return a contact's or coil's operand in this POU; an expression as it was written."""
     text = str(symbol.resolved.operand)
-    if text.startswith('%T') and isinstance(symbol.component, (Contact, Coil)):
+    if is_temporary(text) and isinstance(symbol.component, (Contact, Coil)):
         return symbol.component.operand
     return text
 
@@ -103,7 +106,7 @@ class Aov:
     """The graph of a rung.  ``symbols`` stand in the order in which a scan evaluates them.
 
     That is the topological order of power flow and direct data connections, ties by (row, column,
-    id), an inline composite's components standing together (DESIGN section 3).
+    id), an inline composite's components standing together (docs/adr/0001-order-of-evaluation.md).
     """
 
     rung: str
@@ -200,3 +203,16 @@ def _prelude_reads(symbol: SymbolVertex) -> Iterator[Operand]:
         if instruction.call is not None:
             for _, operand in instruction.call.inputs:
                 yield operand
+
+
+def numbered(aov: Aov) -> Aov:
+    """Return a graph with its symbols numbered first, in order, and each arc once."""
+    vertices: list[SymbolVertex | VirtualVertex] = [*aov.symbols, *aov.virtuals]
+    number = {vertex.id: index for index, vertex in enumerate(vertices)}
+    arcs = {replace(arc, source=number[arc.source], target=number[arc.target]): None
+            for arc in aov.arcs}
+    return replace(
+        aov, symbols=tuple(replace(s, id=number[s.id]) for s in aov.symbols),
+        virtuals=tuple(replace(v, id=number[v.id]) for v in aov.virtuals),
+        arcs=tuple(sorted(arcs, key=lambda arc: (
+            arc.source, arc.target, arc.source_pin, arc.target_pin))))

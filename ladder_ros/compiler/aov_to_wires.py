@@ -13,9 +13,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
+from ladder_ros.compiler.access_keys import by_path
 from ladder_ros.compiler.aov import Aov, reads_and_writes, SymbolVertex
 from ladder_ros.compiler.st_names import interface, literal, Names, SURE
-from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
+from ladder_ros.compiler.symbols import Element, is_data_slot, Literal, Operand, Ref, Target
+from ladder_ros.compiler.wires_in_rows import COLUMN, LEFT, ROW
 from ladder_ros.compiler.wiring import Rail
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.catalogue import CATALOGUE
@@ -31,10 +33,9 @@ from ladder_ros.model.component import (
     OutVariable,
     Placement,
 )
-from ladder_ros.model.program import Composite, Port, Rung, Wire
+from ladder_ros.model.program import Composite, composite_key, Port, Rung, Wire
 from ladder_ros.model.types import DataType, default_value
 
-_COLUMN, _ROW, _LEFT = 170, 50, 70
 _PIN = 20
 
 
@@ -88,9 +89,9 @@ class WireMaker:
 
     def constant_contact(self, operand: str, kind: ContactKind) -> Port:
         """Add a contact at the left rail; return what it gives."""
-        self.row += _ROW
+        self.row += ROW
         one = Contact(id=self.new_id(), operand=operand, kind=kind, placement=Placement(
-            x=_LEFT, y=self.row - _ROW + 20, width=21, height=15))
+            x=LEFT, y=self.row - ROW + 20, width=21, height=15))
         self.components.append(one)
         self.wires.append(Wire(source=Port(), target=Port(component=one.id)))
         return Port(component=one.id)
@@ -102,11 +103,11 @@ class WireMaker:
         """
         height = 50 + _PIN * (len(pins) + 1)
         number = self.new_id()
-        place = Placement(x=_LEFT + _COLUMN, y=self.row + 20, width=120, height=height)
+        place = Placement(x=LEFT + COLUMN, y=self.row + 20, width=120, height=height)
         self.row += height + 20
         for index, (pin, operand) in enumerate(pins):
             variable = InVariable(id=self.new_id(), operand=operand, placement=Placement(
-                x=_LEFT, y=place.y + 30 + _PIN * (index + 1), width=60, height=15))
+                x=LEFT, y=place.y + 30 + _PIN * (index + 1), width=60, height=15))
             self.components.append(variable)
             self.wires.append(Wire(source=Port(component=variable.id),
                                    target=Port(component=number, pin=pin)))
@@ -117,8 +118,8 @@ class WireMaker:
     def coil(self, power: Port, operand: str, kind: CoilKind) -> None:
         """Add a coil on a line of its own."""
         coil = Coil(id=self.new_id(), operand=operand, kind=kind, placement=Placement(
-            x=_LEFT + 2 * _COLUMN, y=self.row + 20, width=21, height=15))
-        self.row += _ROW
+            x=LEFT + 2 * COLUMN, y=self.row + 20, width=21, height=15))
+        self.row += ROW
         self.components.append(coil)
         self.wires.append(Wire(source=power, target=Port(component=coil.id)))
 
@@ -129,7 +130,6 @@ class _Network:
     aov: Aov
     ports: dict[int, tuple[Port, ...]] = field(default_factory=dict)
     """What gives the power that leaves a symbol by its main output."""
-    instead: dict[int, Port] = field(default_factory=dict)
     column: dict[str, int] = field(default_factory=dict)
     pending: dict[str, Contact] = field(default_factory=dict)
     """Contacts that nothing has needed yet, by id."""
@@ -175,11 +175,11 @@ class _Network:
         for place, symbol in enumerate(symbols):
             if not isinstance(symbol.component, Contact) or symbol.id not in need:
                 continue
-            read = {_root(o) for o in reads_and_writes(symbol)[0]}
+            read = _names(reads_and_writes(symbol)[0])
             for between in symbols[place + 1:need[symbol.id]]:
                 if isinstance(between.component, Contact):
                     continue
-                written = {_root(o) for o in reads_and_writes(between)[1]}
+                written = _names(reads_and_writes(between)[1])
                 if between.instance:
                     written.add(between.instance.casefold())
                 hits = any(r == w or r.startswith(f'{w}.') for r in read for w in written)
@@ -238,14 +238,14 @@ class _Network:
     def place(self, sources: Iterable[Port], *, width: int = 21, height: int = 15) -> Placement:
         """Return a place on a line of its own, right of what feeds it."""
         column = max((self.column.get(port.component, -1) for port in sources), default=-1) + 1
-        place = Placement(x=_LEFT + column * _COLUMN, y=self.maker.row + 20, width=width,
+        place = Placement(x=LEFT + column * COLUMN, y=self.maker.row + 20, width=width,
                           height=height)
-        self.maker.row += max(_ROW, height + 20)
+        self.maker.row += max(ROW, height + 20)
         return place
 
     def put(self, component: Component) -> None:
         self.maker.components.append(component)
-        self.column[component.id] = (component.placement.x - _LEFT) // _COLUMN
+        self.column[component.id] = (component.placement.x - LEFT) // COLUMN
 
     # -- components -------------------------------------------------------------------------
 
@@ -309,13 +309,13 @@ class _Network:
         self.ports[symbol.id] = (Port(component=number, pin=kind.power_output),)
         if kind.is_function and enabled != (Port(),) and kind.name not in SURE:
             self.zero_on_error(number, enabled, symbol.resolved.outputs)
-        return any('%data' not in str(operand) for _, operand in symbol.resolved.outputs)
+        return any(not is_data_slot(target) for _, target in symbol.resolved.outputs)
 
-    def guarded_outputs(self, number: str, bound: Sequence[tuple[str, Operand]]) -> None:
+    def guarded_outputs(self, number: str, bound: Sequence[tuple[str, Target]]) -> None:
         """Take a function block's outputs where it was called: an outVariable always writes."""
         for pin, target in bound:
             source = Port(component=number, pin=pin)
-            if '%data' in str(target):
+            if is_data_slot(target):
                 self.maker.data[str(target).casefold()] = source
                 continue
             done = (Port(component=number, pin='ENO'),)
@@ -327,11 +327,11 @@ class _Network:
             self.outputs(move, place, [('OUT', target)])
 
     def zero_on_error(
-        self, number: str, enabled: tuple[Port, ...], outputs: Sequence[tuple[str, Operand]],
+        self, number: str, enabled: tuple[Port, ...], outputs: Sequence[tuple[str, Target]],
     ) -> None:
         """Write what an arithmetic error gives, zero: ENO keeps the result from being assigned."""
         targets = [target for pin, target in outputs
-                   if pin == 'OUT' and '%data' not in str(target)]
+                   if pin == 'OUT' and not is_data_slot(target)]
         if not targets:
             return
         power, fine = (self.maker.names.temporary(DataType.BOOL) for _ in range(2))
@@ -369,15 +369,15 @@ class _Network:
             self.connect([source], Port(component=number, pin=pin))
 
     def outputs(
-        self, number: str, place: Placement, bound: Sequence[tuple[str, Operand]],
+        self, number: str, place: Placement, bound: Sequence[tuple[str, Target]],
     ) -> None:
-        for index, (pin, operand) in enumerate(bound):
+        for index, (pin, target) in enumerate(bound):
             source = Port(component=number, pin=pin)
-            if isinstance(operand, Ref) and '%data' in operand.path:
-                self.maker.data[operand.path.casefold()] = source
+            if is_data_slot(target):
+                self.maker.data[str(target).casefold()] = source
                 continue
             variable = OutVariable(
-                id=self.maker.new_id(), operand=self.maker.text(operand),
+                id=self.maker.new_id(), operand=self.maker.text(target),
                 placement=Placement(x=place.x + place.width + 30,
                                     y=place.y + 30 + _PIN * index, width=60, height=15))
             self.put(variable)
@@ -408,7 +408,7 @@ class _Network:
             (Port(component=number, pin='ENO'),), self.maker.names.temporary(DataType.BOOL))
 
     def composite(self, component: Instance) -> Composite:
-        scope = self.maker.names.scopes[f'composite {component.composite.casefold()}']
+        scope = self.maker.names.scopes[composite_key(component.composite)]
         return self.maker.names.definitions[scope.pou.casefold()]
 
     def copy(self, operand: Operand) -> Ref:
@@ -420,7 +420,7 @@ class _Network:
         self.put(variable)
         target = OutVariable(
             id=self.maker.new_id(), operand=self.maker.text(kept),
-            placement=replace(variable.placement, x=variable.placement.x + _COLUMN))
+            placement=replace(variable.placement, x=variable.placement.x + COLUMN))
         self.put(target)
         self.connect([Port(component=variable.id)], Port(component=target.id))
         return kept
@@ -429,6 +429,5 @@ class _Network:
 RAIL_END = 25
 
 
-def _root(operand: Operand) -> str:
-    first = operand.first if isinstance(operand, Element) else operand
-    return first.path.casefold().partition('[')[0] if isinstance(first, Ref) else ''
+def _names(operands: Iterable[Operand]) -> set[str]:
+    return {name for operand in operands if (name := by_path(operand)) is not None}

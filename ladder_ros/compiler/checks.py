@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from ladder_ros.compiler.il import InstructionList
 from ladder_ros.compiler.inline_composites import LIMIT
-from ladder_ros.compiler.symbols import Ref
+from ladder_ros.compiler.symbols import is_temporary, Ref
 from ladder_ros.diagnostics import Diagnostic, problem
 from ladder_ros.executable import ComponentEntry
 from ladder_ros.model.component import Instance
@@ -94,7 +94,7 @@ def check_coils(
             for instruction in network.coils:
                 assert isinstance(instruction.operand, Ref)
                 path = instruction.operand.path
-                if not path.startswith('%T'):
+                if not is_temporary(path):
                     writers[path.casefold()].append((path, instruction.component))
     several = [coils for coils in writers.values() if len(coils) > 1]
     if not several:

@@ -12,10 +12,9 @@ from ladder_ros.compiler.il_to_python import print_python
 from ladder_ros.compiler.lay_out import lay_out, lay_out_variables
 from ladder_ros.compiler.link import link_code
 from ladder_ros.compiler.native import emit_native, layout_of
-from ladder_ros.compiler.pipeline import analyse, build_trees, completed, lower, Stages
-from ladder_ros.compiler.symbols import pou_key
-from ladder_ros.diagnostics import has_errors, LadderError
-from ladder_ros.model.program import Body, Pou, Program
+from ladder_ros.compiler.stages import analyse, build_trees, completed, lower, Stages
+from ladder_ros.diagnostics import LadderError, raise_errors
+from ladder_ros.model.program import Body, Pou, pou_key, Program
 
 
 def require_pou(program: Program, pou: str | None) -> None:
@@ -34,8 +33,7 @@ def dump_stage(program: Program, stage: str, pou: str | None = None) -> str:
     require_pou(program, pou)
     program = completed(program)
     stages = analyse(program)
-    if has_errors(stages.diagnostics):
-        raise LadderError(stages.diagnostics)
+    raise_errors(stages.diagnostics)
     return _DUMPS[stage](program, stages, pou)
 
 

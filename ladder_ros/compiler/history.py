@@ -13,9 +13,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 import re
 
-from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.model.component import Block, Coil, Contact, Instance
-from ladder_ros.model.program import Pou, Program
+from ladder_ros.model.program import composite_key, Pou, pou_key, Program
 
 MOST_PLACES = 16
 """Places that one slot is looked for at: nested composites multiply them."""
@@ -67,8 +66,7 @@ class History:
                 if isinstance(component, (Contact, Coil)) and not component.was:
                     continue  # as most are
                 if isinstance(component, Instance):
-                    inner[component.instance.casefold()] = (
-                        f'composite {component.composite.casefold()}')
+                    inner[component.instance.casefold()] = composite_key(component.composite)
                 if isinstance(component, (Block, Instance)) and component.was:
                     name = component.instance
                 elif isinstance(component, (Contact, Coil)) and component.was:

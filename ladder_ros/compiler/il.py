@@ -40,7 +40,7 @@ network to the start of one, where both stacks are empty.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -95,8 +95,17 @@ class Op(Enum):
     __hash__ = object.__hash__  # Enum's own is Python code, and members are looked up all the time
 
 
-LOADS = frozenset({Op.LD, Op.LDN, Op.LDP, Op.LDF})
-EDGES = frozenset({Op.LDP, Op.LDF, Op.ANDP, Op.ANDF, Op.ORP, Op.ORF, Op.STP, Op.STF})
+CONTACTS: Mapping[Op, tuple[Op, str]] = {
+    Op(join.value + mode): (join, mode)
+    for join in (Op.LD, Op.AND, Op.OR) for mode in ('', 'N', 'P', 'F')}
+"""What reads a variable: how its value joins the current result, and which of its values that is.
+
+N is the negation, P the rising and F the falling edge.
+"""
+EDGES: Mapping[Op, str] = {
+    op: op.value[-1] for op in (*CONTACTS, Op.STP, Op.STF) if op.value[-1] in 'PF'}
+"""What has a memory, and which edge it gives: P or F."""
+LOADS = frozenset({op for op, (join, _) in CONTACTS.items() if join is Op.LD})
 STORES = frozenset({Op.ST, Op.STN, Op.S, Op.R, Op.STP, Op.STF})
 ALWAYS_WRITE = frozenset({Op.ST, Op.STN, Op.STP, Op.STF})
 CONTROL = frozenset({Op.IF, Op.ELSE, Op.FI, Op.LOOP, Op.BRK, Op.POOL, Op.RET, Op.JMP})
@@ -223,8 +232,3 @@ def matching(code: Sequence[Instruction], place: int, step: int) -> int:
 def active_flag(instance: str) -> Ref:
     """Return the hidden variable that says whether an enabled composite was executed last time."""
     return Ref(path=f'{instance}.%active', type=DataType.BOOL)
-
-
-def temporary(number: int, type_: DataType = DataType.BOOL) -> Ref:
-    """Return the temporary of that number; it lives as long as its network."""
-    return Ref(path=f'%T{number}', type=type_)

@@ -11,7 +11,9 @@ from ladder_ros.blocks import FUNCTION_BLOCKS, FUNCTIONS, RELEASE
 from ladder_ros.compiler.il import (
     active_flag,
     Call,
+    CONTACTS,
     CONTROL,
+    EDGES,
     Instruction,
     InstructionList,
     LOOP_LIMIT,
@@ -21,16 +23,11 @@ from ladder_ros.compiler.il import (
     Op,
     Routine,
 )
-from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
+from ladder_ros.compiler.symbols import Element, is_data_slot, is_temporary, Literal, Operand, Ref
 from ladder_ros.diagnostics import InternalError
 from ladder_ros.executable import Scan, State
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.types import DataType, default_value, Value
-
-_CONTACTS = {
-    Op.LD: '', Op.AND: '', Op.OR: '', Op.LDN: 'N', Op.ANDN: 'N', Op.ORN: 'N',
-    Op.LDP: 'P', Op.ANDP: 'P', Op.ORP: 'P', Op.LDF: 'F', Op.ANDF: 'F', Op.ORF: 'F',
-}
 
 
 def interpret_il(
@@ -129,7 +126,7 @@ class _Machine:
         if isinstance(operand, Element):
             place = self._element(operand)
             return default_value(operand.type) if place is None else self.state[place]
-        if operand.path.startswith('%T'):
+        if is_temporary(operand.path):
             return self.temporaries[operand.path]
         return self.state[self.slots[operand.path.casefold()]]
 
@@ -140,7 +137,7 @@ class _Machine:
             index = self._element(target)
         else:
             assert isinstance(target, Ref)
-            if target.path.startswith('%T'):
+            if is_temporary(target.path):
                 self.temporaries[target.path] = value
                 return
             index = self.slots[target.path.casefold()]
@@ -157,7 +154,7 @@ class _Machine:
 
     def _step(self, instruction: Instruction) -> None:
         op = instruction.op
-        if op in _CONTACTS:
+        if op in CONTACTS:
             self._contact(instruction)
         elif op is Op.ANB or op is Op.ORB:
             value = self.stack.pop()
@@ -186,23 +183,22 @@ class _Machine:
     def _contact(self, instruction: Instruction) -> None:
         assert instruction.operand is not None
         value = bool(self.read(instruction.operand))
-        suffix = _CONTACTS[instruction.op]
-        if suffix in ('P', 'F'):
-            assert instruction.memory is not None
-            value = self._edge(instruction.memory, value, suffix)
-        elif suffix == 'N':
+        join, mode = CONTACTS[instruction.op]
+        if mode == 'N':
             value = not value
-        base = instruction.op.value[:2]
-        if base == 'LD':
+        elif mode:
+            assert instruction.memory is not None
+            value = self._edge(instruction.memory, value, mode)
+        if join is Op.LD:
             self.stack.append(value)
-        elif base == 'AN':
+        elif join is Op.AND:
             self.stack[-1] = self.stack[-1] and value
         else:
             self.stack[-1] = self.stack[-1] or value
 
-    def _edge(self, memory: Ref, signal: bool, suffix: str) -> bool:
+    def _edge(self, memory: Ref, signal: bool, mode: str) -> bool:
         """Detect an edge as R_TRIG and F_TRIG do, whose memory starts FALSE."""
-        level = signal if suffix == 'P' else not signal
+        level = signal if mode == 'P' else not signal
         before = bool(self.read(memory))
         self.write(memory, level)
         return level and not before
@@ -219,7 +215,7 @@ class _Machine:
                 self.write(operand, op is Op.S)
         elif op is Op.STP or op is Op.STF:
             assert instruction.memory is not None
-            self.write(operand, self._edge(instruction.memory, power, op.value[2]))
+            self.write(operand, self._edge(instruction.memory, power, EDGES[op]))
         else:
             raise InternalError('il_interpreter', f'no operator {op}')
 
@@ -268,7 +264,7 @@ class _Machine:
                 self.write(target, is_fine)
             elif power:
                 self.write(target, result)
-            elif '%data' in str(target):
+            elif is_data_slot(target):
                 self.write(target, default_value(target.type))
         self.stack[-1] = is_fine if kind.power_output == 'ENO' else power and bool(result)
 

@@ -29,7 +29,7 @@ from ladder_ros.compiler.il import (
     STORES,
 )
 from ladder_ros.compiler.native_state import Group, RoutineId
-from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
+from ladder_ros.compiler.symbols import Element, is_temporary, Literal, Operand, Ref
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.types import DataType
 
@@ -240,7 +240,7 @@ class _Finder:
         if isinstance(operand, Literal):
             unit.key.append(operand.type)
             unit.literals.append(operand)
-        elif operand.path.startswith('%T'):
+        elif is_temporary(operand.path):
             unit.key.append((operand.type, operand.path))
         else:
             slot = self.slots[operand.path.casefold()]
@@ -268,7 +268,7 @@ class _Finder:
             first = self.slots[operand.first.path.casefold()]
             last = first + operand.count * operand.stride
             return *range(first, last, operand.stride), *self._slots_of(operand.index)
-        if isinstance(operand, Literal) or operand.path.startswith('%T'):
+        if isinstance(operand, Literal) or is_temporary(operand.path):
             return ()
         return (self.slots[operand.path.casefold()],)
 

@@ -23,7 +23,9 @@ from ladder_ros.blocks import FUNCTION_BLOCKS, RELEASE
 from ladder_ros.compiler.il import (
     active_flag,
     Call,
+    CONTACTS,
     CONTROL,
+    EDGES,
     Instruction,
     LOOP_LIMIT,
     Network,
@@ -46,14 +48,18 @@ from ladder_ros.compiler.llvm_memory import (
     routine_symbol,
 )
 from ladder_ros.compiler.llvm_steps import inline_step, NotNativeError
-from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target
+from ladder_ros.compiler.symbols import (
+    Element,
+    is_data_slot,
+    is_temporary,
+    Literal,
+    Operand,
+    Ref,
+    Target,
+)
 from ladder_ros.diagnostics import InternalError
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.types import DataType, default_value
-
-_CONTACTS = {Op(join + mode): (join, mode) for join in ('LD', 'AND', 'OR') for mode in 'NPF'} | {
-    Op(join): (join, '') for join in ('LD', 'AND', 'OR')}
-"""The instructions of contacts: how each joins, and N, P or F."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -155,7 +161,7 @@ class ChunkEmitter:
             return self.builder.constant(operand.value, operand.type)
         if isinstance(operand, Element):
             return self._read_element(operand)
-        if not operand.path.startswith('%T'):
+        if not is_temporary(operand.path):
             return self._load(self.memory.slot(operand))
         if self.boxes is None:
             return self.temporaries[operand.path]
@@ -165,7 +171,7 @@ class ChunkEmitter:
     def _write(self, target: Target, value: Val) -> None:
         if isinstance(target, Element):
             self._write_element(target, value)
-        elif not target.path.startswith('%T'):
+        elif not is_temporary(target.path):
             self._store(self.memory.slot(target), value)
         elif self.boxes is None:
             before = self.temporaries.get(target.path)
@@ -239,7 +245,7 @@ class ChunkEmitter:
 
     def _instruction(self, instruction: Instruction) -> None:
         op, builder = instruction.op, self.builder
-        if op in _CONTACTS:
+        if op in CONTACTS:
             self._contact(instruction)
         elif op is Op.ANB or op is Op.ORB:
             right = self.stack.pop()
@@ -270,15 +276,15 @@ class ChunkEmitter:
 
     def _contact(self, instruction: Instruction) -> None:
         assert instruction.operand is not None
-        builder, (join, mode) = self.builder, _CONTACTS[instruction.op]
+        builder, (join, mode) = self.builder, CONTACTS[instruction.op]
         value = self._read(instruction.operand)
         if mode == 'N':
             value = builder.not_(value)
         elif mode:
             value = self._edge(instruction.memory, value, mode)
-        if join == 'LD':
+        if join is Op.LD:
             self.stack.append(value)
-        elif join == 'AND':
+        elif join is Op.AND:
             self.stack[-1] = builder.and_(self.stack[-1], value)
         else:
             self.stack[-1] = builder.or_(self.stack[-1], value)
@@ -306,7 +312,7 @@ class ChunkEmitter:
             self._write(operand, builder.or_(before, power) if op is Op.S else
                         builder.and_(before, builder.not_(power)))
         else:
-            self._write(operand, self._edge(instruction.memory, power, op.value[2]))
+            self._write(operand, self._edge(instruction.memory, power, EDGES[op]))
 
     # branches
 
@@ -577,12 +583,12 @@ class ChunkEmitter:
                 raise NotNativeError(f'{call.name} into {target.type}')
             if pin == 'ENO':
                 self._write(target, fine)
-            elif power != builder.true and '%data' in str(target):
+            elif power != builder.true and is_data_slot(target):
                 zero = builder.constant(default_value(target.type), target.type)
                 self._write(target, builder.select(power, out, zero))
             elif power != builder.true and isinstance(target, Element):
                 raise NotNativeError('an element that is written on condition')
-            elif power != builder.true and str(target).startswith('%T') and (
+            elif power != builder.true and is_temporary(str(target)) and (
                     str(target) not in (self.temporaries if self.boxes is None else self.boxes)):
                 self._write(target, out)  # nobody reads it without power
             else:

@@ -18,7 +18,9 @@ from ladder_ros.blocks import FUNCTION_BLOCKS, FUNCTIONS, RELEASE
 from ladder_ros.compiler.il import (
     active_flag,
     Call,
+    CONTACTS,
     CONTROL,
+    EDGES,
     Instruction,
     InstructionList,
     LOOP_LIMIT,
@@ -39,14 +41,11 @@ from ladder_ros.compiler.python_code import (
     StackValue,
     taken_over,
 )
-from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
+from ladder_ros.compiler.symbols import Element, is_data_slot, is_temporary, Literal, Operand, Ref
 from ladder_ros.executable import Scan
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.types import default_value, Value
 
-_CONTACTS = {Op(base + mode): (base, mode)
-             for base in ('LD', 'AND', 'OR') for mode in ('', 'N', 'P', 'F')}
-"""How each contact acts, and on what of its variable."""
 _LONGEST_EXPRESSION = 1000
 _DEEPEST_EXPRESSION = 12
 
@@ -298,7 +297,7 @@ class _Emitter:
         path = operand.path
         if path not in self.program.read:
             self.program.read[path] = (
-                stack_value(text=path.replace('%', '')) if path.startswith('%T')
+                stack_value(text=path.replace('%', '')) if is_temporary(path)
                 else self._slot_value(self.program.index(operand)))
         return self.program.read[path]
 
@@ -320,7 +319,7 @@ class _Emitter:
             self._write_element(ref, text)
             return
         assert isinstance(ref, Ref)
-        if ref.path.startswith('%T'):
+        if is_temporary(ref.path):
             self.put(f'{ref.path.replace("%", "")} = {text}')
             return
         index = self.program.index(ref)
@@ -362,7 +361,7 @@ class _Emitter:
             return frozenset(
                 range(first, first + target.count * target.stride, target.stride))
         assert isinstance(target, Ref)
-        if target.path.startswith('%T'):
+        if is_temporary(target.path):
             return frozenset()
         return frozenset({self.program.index(target)})
 
@@ -409,7 +408,7 @@ class _Emitter:
 
     def _instruction(self, instruction: Instruction, is_last: bool) -> None:
         op = instruction.op
-        if op in _CONTACTS:
+        if op in CONTACTS:
             self._contact(instruction)
         elif op is Op.ANB or op is Op.ORB:
             right = self.stack.pop()
@@ -440,16 +439,16 @@ class _Emitter:
     def _contact(self, instruction: Instruction) -> None:
         assert instruction.operand is not None
         value = self._read(instruction.operand)
-        base, mode = _CONTACTS[instruction.op]
+        join, mode = CONTACTS[instruction.op]
         if mode == 'N':
             value = stack_value(text=f'not {value.text}', reads=value.reads)
-        elif mode in ('P', 'F'):
+        elif mode:
             value = self._edge(instruction, value.text, mode)
-        if base == 'LD':
+        if join is Op.LD:
             self.stack.append(value)
         else:
             self.stack[-1] = self._combine(
-                self.stack[-1], value, 'and' if base == 'AND' else 'or')
+                self.stack[-1], value, 'and' if join is Op.AND else 'or')
 
     def _edge(self, instruction: Instruction, now: str, mode: str) -> StackValue:
         """Detect an edge at once: it must be seen in every scan, whatever power does.
@@ -470,7 +469,7 @@ class _Emitter:
         written = self._slots(operand)
         if op in (Op.STP, Op.STF):
             power = self._settle().text
-            edge = self._edge(instruction, power, op.value[2])
+            edge = self._edge(instruction, power, EDGES[op])
             self._save_readers(written)
             self._write(operand, edge.text)
             return
@@ -565,7 +564,7 @@ class _Emitter:
                 self._write(target, fine)
             elif power == 'True':
                 self._write(target, out)
-            elif '%data' in str(target):
+            elif is_data_slot(target):
                 zero = self.program.constant(default_value(target.type))
                 self._write(target, f'{out} if {power} else {zero}')
             else:

@@ -12,9 +12,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 import re
 
-from ladder_ros.compiler.il import Call, CONTROL, Instruction, Network, Op
+from ladder_ros.compiler.il import Call, CONTACTS, CONTROL, EDGES, Instruction, Network, Op
 from ladder_ros.compiler.st_names import interface, literal, Names, SURE
-from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
+from ladder_ros.compiler.symbols import Element, is_data_slot, is_temporary, Literal, Operand, Ref
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.derived import elementary
@@ -56,6 +56,8 @@ class StEmitter:
     stack: list[_Value] = field(default_factory=list)
     memory: list[_Value] = field(default_factory=list)
     indent: str = ''
+    location: Location = Location()
+    """Of the body whose statements are emitted."""
     at: str = ''
     """In a POU with jumps: the variable that says which network comes next."""
     jumps: Mapping[str, int] = field(default_factory=dict)
@@ -143,7 +145,7 @@ class StEmitter:
             self.put(f'IF {inside} THEN {name} := {place}; ELSE {name} := {zero}; END_IF;')
             return _Value(text=name)
         text = self.names.place(operand)
-        if operand.path.startswith('%T'):
+        if is_temporary(operand.path):
             return _Value(text=text)
         return _Value(text=text, reads=frozenset({_root(text)}))
 
@@ -153,8 +155,9 @@ class StEmitter:
         index = self.read(element.index).text
         found = re.findall(r'\[(-?\d+)\]', first)
         if len(found) != 1 or '{' in index:
-            raise LadderError.of('L0511', Location(), form='st', what=(
-                f'an element of {element.first} which several subscripts find'))
+            name = self.names.place(element.first).partition('[')[0]
+            raise LadderError.of('L0511', self.location, form='st', what=(
+                f'{name}[...] with several, or nested, calculated subscripts'))
         low = int(found[0])
         type_ = element.index.type
         bounds = [literal(n, type_) for n in (0, element.count)]
@@ -174,7 +177,7 @@ class StEmitter:
         return value
 
     def _written(self, target: Operand) -> frozenset[str]:
-        if isinstance(target, Ref) and target.path.startswith('%T'):
+        if isinstance(target, Ref) and is_temporary(target.path):
             return frozenset()
         first = target.first if isinstance(target, Element) else target
         assert isinstance(first, Ref)
@@ -196,7 +199,7 @@ class StEmitter:
 
     def _instruction(self, instruction: Instruction, is_last: bool) -> None:
         op = instruction.op
-        if op.value[:2] in ('LD', 'AN', 'OR') and instruction.operand is not None:
+        if op in CONTACTS:
             self._contact(instruction)
         elif op in (Op.ANB, Op.ORB):
             right, left = self.stack.pop(), self.stack.pop()
@@ -241,17 +244,16 @@ class StEmitter:
     def _contact(self, instruction: Instruction) -> None:
         assert instruction.operand is not None
         value = self.read(instruction.operand)
-        base = instruction.op.value[:2]
-        mode = instruction.op.value[3 if base == 'AN' else 2:]
+        join, mode = CONTACTS[instruction.op]
         if mode == 'N':
             value = _negated(value)
-        elif mode in ('P', 'F'):
+        elif mode:
             value = self._edge(instruction, value, mode)
-        if base == 'LD':
+        if join is Op.LD:
             self.stack.append(value)
         else:
             self.stack[-1] = self._combine(
-                self.stack[-1], value, _AND if base == 'AN' else _OR)
+                self.stack[-1], value, _AND if join is Op.AND else _OR)
 
     def _edge(self, instruction: Instruction, now: _Value, mode: str) -> _Value:
         assert instruction.memory is not None
@@ -265,8 +267,8 @@ class StEmitter:
     def _coil(self, instruction: Instruction, is_last: bool) -> None:
         op, operand = instruction.op, instruction.operand
         assert operand is not None
-        if op in (Op.STP, Op.STF):
-            edge = self._edge(instruction, self._settle(), op.value[2])
+        if op in EDGES:
+            edge = self._edge(instruction, self._settle(), EDGES[op])
             self._save_readers(self._written(operand))
             self.write(operand, edge.text)
             return
@@ -423,7 +425,7 @@ class StEmitter:
             kind, arguments, call, eno=fine.text if unsure else '')
         self.put(f'{out} := {value.text};')
         kept = [target for pin, target in call.outputs
-                if pin == 'OUT' and '%data' not in str(target)]
+                if pin == 'OUT' and not is_data_slot(target)]
         for target in kept:
             self.write(target, out)
         if guarded:

@@ -17,7 +17,7 @@ from ladder_ros.compiler.il import (
     Op,
     STORES,
 )
-from ladder_ros.compiler.symbols import Literal, Operand, Ref
+from ladder_ros.compiler.symbols import is_temporary, Literal, Operand, Ref
 from ladder_ros.diagnostics import InternalError, Location
 from ladder_ros.model.types import DataType, default_value
 
@@ -153,5 +153,5 @@ def _move_fault(instruction: Instruction) -> str:
 
 def operand_is_unset(operand: Operand, stored: set[str]) -> bool:
     """Say whether the operand is a temporary that nothing has written yet."""
-    return isinstance(operand, Ref) and operand.path.startswith('%T') and (
+    return isinstance(operand, Ref) and is_temporary(operand.path) and (
         operand.path not in stored)

@@ -4,15 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence, ValuesView
-from dataclasses import fields, is_dataclass
+from collections.abc import Iterator, Mapping, Sequence
 
 from ladder_ros.compiler.lowering import Lowering
-from ladder_ros.compiler.symbols import pou_key, Symbols
-from ladder_ros.diagnostics import Diagnostic, Location, problem
+from ladder_ros.compiler.symbols import Symbols
+from ladder_ros.diagnostics import Diagnostic, problem
 from ladder_ros.model.component import Block, Instance
-from ladder_ros.model.program import Composite, Pou, Program
-from ladder_ros.model.st import CallExpression, CallStatement
+from ladder_ros.model.program import Composite, Pou, pou_key, Program
+from ladder_ros.model.st import called_names
 
 
 def is_imported(pou: Pou) -> bool:
@@ -37,7 +36,7 @@ def needed_pous(program: Program) -> tuple[Pou, ...]:
     composites = {c.name.casefold(): c for c in program.composites}
     needed: dict[str, Pou] = {}
     pending: list[Pou] = [*program.bodies]
-    expressions = {name for e in program.expressions.values() for name in _called(e)}
+    expressions = {name for e in program.expressions.values() for name in called_names(e)}
     pending += [composites[name] for name in expressions if name in composites]
     pending += [composites[type_.casefold()] for _, type_ in program.blocks
                 if type_.casefold() in composites]
@@ -59,29 +58,7 @@ def _uses(pou: Pou) -> Iterator[str]:
                 yield component.type.casefold()
     if isinstance(pou, Composite):
         yield from (type_.casefold() for _, type_ in pou.blocks)
-    for statement in pou.statements:
-        yield from _called(statement)
-
-
-def _called(root: object) -> Iterator[str]:
-    """Yield the names of what a statement or expression calls."""
-    for node in _nodes(root):
-        if isinstance(node, CallExpression):
-            yield node.name.casefold()
-        elif isinstance(node, CallStatement):
-            yield node.target.name.casefold()
-
-
-def _nodes(root: object) -> Iterator[object]:
-    """Yield every part of statements and expressions, without recursion."""
-    pending: list[object] = [root]
-    while pending:
-        node = pending.pop()
-        if isinstance(node, (tuple, list, ValuesView)):
-            pending.extend(node)
-        elif is_dataclass(node) and not isinstance(node, Location):
-            yield node
-            pending.extend(getattr(node, part.name) for part in fields(node))
+    yield from called_names(pou.statements)
 
 
 def unsupported_bodies(pous: Sequence[Pou], needed: Sequence[Pou]) -> tuple[Diagnostic, ...]:

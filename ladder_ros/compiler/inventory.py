@@ -11,7 +11,7 @@ import hashlib
 from ladder_ros.compiler.il import active_flag, InstructionList
 from ladder_ros.compiler.unchanged import Before
 from ladder_ros.diagnostics import Diagnostic, LadderError, problem
-from ladder_ros.executable import RoutineEntry, RungEntry, Slot, TaskEntry
+from ladder_ros.executable import Entry, RoutineEntry, RungEntry, Slot, TaskEntry
 from ladder_ros.model.component import (
     Argument,
     Block,
@@ -22,7 +22,7 @@ from ladder_ros.model.component import (
     Instance,
     Row,
 )
-from ladder_ros.model.program import Program, Rung
+from ladder_ros.model.program import Body, Program, Rung, RunKind, Task
 from ladder_ros.model.types import DataType
 
 _NOTHING: Mapping[int, RungEntry] = {}
@@ -52,17 +52,32 @@ def list_tasks(program: Program, slots: Mapping[str, Slot]) -> tuple[TaskEntry, 
     return tuple(tasks)
 
 
+def list_entries(program: Program) -> tuple[Entry, ...]:
+    """Return the bodies, each with the task that runs it."""
+    tasks = {task.name.casefold(): task for task in program.tasks}
+    return tuple(_entry(body, tasks.get(body.task.casefold())) for body in program.bodies)
+
+
+def _entry(body: Body, task: Task | None) -> Entry:
+    once = body.run is RunKind.ONCE
+    if task is None:
+        return Entry(name=body.name, once=once)
+    return Entry(name=body.name, once=once, interval=task.interval, priority=task.priority,
+                 task=task.name)
+
+
 def list_rungs(
     program: Program, known: Mapping[int, RungEntry] = _NOTHING,
 ) -> tuple[RungEntry, ...]:
     """Return every rung as drawn, with a digest of its drawing; some, by ``id``, are known."""
-    drawn = [known.get(id(rung)) or _entry(pou, rung.id, _text(rung))
+    drawn = [known.get(id(rung)) or _rung_entry(pou, rung.id, _text(rung))
              for pou, rung in _rungs(program)]
-    texts = [_entry(pou.name, '1', repr(pou.statements)) for pou in program.pous if pou.statements]
+    texts = [_rung_entry(pou.name, '1', repr(pou.statements))
+             for pou in program.pous if pou.statements]
     return (*drawn, *texts)
 
 
-def _entry(pou: str, rung: str, text: str) -> RungEntry:
+def _rung_entry(pou: str, rung: str, text: str) -> RungEntry:
     return RungEntry(pou=pou, rung=rung, digest=hashlib.blake2b(
         text.encode('utf-8', 'surrogatepass'), digest_size=8).hexdigest())
 

@@ -4,14 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.access_keys import storage_key
 from ladder_ros.compiler.history import earlier_paths
-from ladder_ros.compiler.il import active_flag, Instruction, InstructionList, Op
+from ladder_ros.compiler.il import active_flag, EDGES, Instruction, InstructionList, Op
 from ladder_ros.compiler.stub_blocks import STUB
-from ladder_ros.compiler.symbols import Element, pou_key, Ref, Scope, Symbols
+from ladder_ros.compiler.symbols import Element, is_data_slot, is_temporary, Ref, Scope, Symbols
 from ladder_ros.executable import ARITHMETIC_ERRORS, Slot, SlotClass
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.derived import leaves
@@ -20,6 +20,7 @@ from ladder_ros.model.program import (
     Composite,
     Direction,
     Parameter,
+    pou_key,
     Program,
     Variable,
     VariableClass,
@@ -88,7 +89,7 @@ def lay_out(
 
 
 def _io_class(variable: Variable) -> SlotClass:
-    """Return the slot class; a located variable is I/O whatever its class says (DESIGN 5)."""
+    """Return the slot class; a located variable is I/O whatever its class says."""
     if variable.variable_class is VariableClass.LOCAL:
         return _located_class(variable)
     return _CLASS[variable.variable_class]
@@ -153,13 +154,16 @@ class _Layout:
         shared = replace(first, initial=initial, retain=first.retain or retain)
         self.slots.update(dict.fromkeys(paths, shared))
 
-    def add_scope(self, prefix: str, scope: Scope) -> None:
-        """Add what the instances of a POU keep, nested ones too."""
-        for name, composite in scope.instances.values():
-            self.add_instance(f'{prefix}{name}.', composite)
+    def add_scope(self, prefix: str, scope: Scope, externals: Collection[str] = ()) -> None:
+        """Add what the instances of a POU keep, nested ones too, but for ``externals``."""
+        elsewhere = {name.casefold() for name in externals}
+        for key, (name, composite) in scope.instances.items():
+            if key not in elsewhere:
+                self.add_instance(f'{prefix}{name}.', composite)
         if self.keeps_inputs:
-            for name, kind in scope.blocks.values():
-                self.add_block(prefix + name, kind)
+            for key, (name, kind) in scope.blocks.items():
+                if key not in elsewhere:
+                    self.add_block(prefix + name, kind)
 
     def add_instance(self, prefix: str, composite: Composite) -> None:
         """Add the variables of one instance of a composite."""
@@ -170,7 +174,7 @@ class _Layout:
             self.add(active_flag(prefix[:-1]).path, DataType.BOOL, SlotClass.SYSTEM, False)
         for variable in _kept(composite):
             self.add_variable(prefix, variable, _instance_class(composite, variable))
-        self.add_scope(prefix, self.scopes[pou_key(composite)])
+        self.add_scope(prefix, self.scopes[pou_key(composite)], composite.externals)
 
     def add_block(self, instance: str, kind: BlockKind) -> None:
         """Add the state of a function block instance."""
@@ -192,19 +196,20 @@ class _Layout:
             # An edge of another variable is another memory: it must not survive an online change.
             # What a contact senses is a variable; a coil senses power, which nobody knows yet.
             sensed = instruction.operand if instruction.op not in (Op.STP, Op.STF) else None
+            edge = EDGES[instruction.op]
             self.add(
                 instruction.memory.path, DataType.BOOL, SlotClass.EDGE, False,
-                f'{instruction.op.value[-1]} edge of {instruction.operand}'.casefold(), quiet=True,
+                f'{edge} edge of {instruction.operand}'.casefold(), quiet=True,
                 senses=sensed.path if isinstance(sensed, Ref) else '',
-                negated=instruction.op.value[-1] == 'F')
+                negated=edge == 'F')
         for target in (instruction.target, instruction.operand):
-            if isinstance(target, Ref) and '%data' in target.path:
+            if isinstance(target, Ref) and is_data_slot(target):
                 self.add(target.path, target.type, SlotClass.SYSTEM, default_value(target.type))
         call = instruction.call
         if call is None:
             return
         for _, target in call.outputs:
-            if not isinstance(target, Element) and not target.path.startswith('%T'):
+            if not isinstance(target, Element) and not is_temporary(target.path):
                 self.add(target.path, target.type, SlotClass.SYSTEM, default_value(target.type))
         if instruction.op in (Op.EXE, Op.RUN):
             self.add(active_flag(call.instance).path, DataType.BOOL, SlotClass.SYSTEM, False,

@@ -23,9 +23,9 @@ from ladder_ros.compiler.il import (
 from ladder_ros.compiler.symbols import (
     Element,
     is_address,
+    is_temporary,
     Literal,
     Operand,
-    pou_key,
     Ref,
     substitute,
     Target,
@@ -35,7 +35,7 @@ from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import ComponentEntry, Slot
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import Component, Instance
-from ladder_ros.model.program import Composite, Program
+from ladder_ros.model.program import Composite, composite_key, is_body_key, pou_key, Program
 from ladder_ros.model.types import DataType
 from ladder_ros.nouns import maker
 
@@ -66,7 +66,7 @@ def link_code(program: Program, code: Code, earlier: Linked | None = None) -> Li
         pending = [_Frame(name=body.name, key=pou_key(body), path=body.name)]
         while pending:
             frame = pending.pop()
-            is_body = frame.key.startswith('body ')
+            is_body = is_body_key(frame.key)
             known = _known(frame, earlier.made.get((is_body, frame.name)) if earlier else None)
             networks = tuple([
                 known.get(id(network)) or _place(network, frame) for network in code[frame.key]])
@@ -137,7 +137,7 @@ def _place(network: Network, frame: _Frame) -> Network:
             return replace(old, first=ref(old.first), index=index)
         if isinstance(old, Literal) or (is_plain and not old.path.startswith('%')):
             return old
-        if old.path.startswith('%T'):
+        if is_temporary(old.path):
             return old
         if belongs_to_body(old.path) and not frame.prefix:
             # Bodies share the program's names, but not what the compiler adds for their rungs.
@@ -216,7 +216,7 @@ class _Drawn:
         instance, inner, rest = path.split('/', 2)
         outer = known[instance]
         assert isinstance(outer, Instance)
-        return self.component(f'composite {outer.composite.casefold()}', inner, rest)
+        return self.component(composite_key(outer.composite), inner, rest)
 
 
 def list_components(
@@ -236,7 +236,7 @@ def list_components(
             for instruction in network.code:
                 if instruction.op in (Op.EXE, Op.RUN) and instruction.call is not None:
                     inner = (False, instruction.call.instance)
-                    key_of[inner] = f'composite {instruction.call.name.casefold()}'
+                    key_of[inner] = composite_key(instruction.call.name)
                     start_of[inner] = f'{instruction.component or instruction.call.instance}/'
                 if not instruction.component:
                     continue
@@ -251,7 +251,7 @@ def _slots_of(instruction: Instruction, slots: Mapping[str, Slot]) -> Iterator[i
     for operand in (instruction.operand, instruction.memory):
         if isinstance(operand, Element):
             operand = operand.first
-        if isinstance(operand, Ref) and not operand.path.startswith('%T'):
+        if isinstance(operand, Ref) and not is_temporary(operand.path):
             yield slots[operand.path.casefold()].index
     call = instruction.call
     if call is not None and call.instance and instruction.op is Op.CAL:
@@ -259,5 +259,5 @@ def _slots_of(instruction: Instruction, slots: Mapping[str, Slot]) -> Iterator[i
             yield slots[f'{call.instance}.{pin.name}'.casefold()].index
     if call is not None:
         for _, bound in (*call.inputs, *call.outputs):
-            if isinstance(bound, Ref) and not bound.path.startswith('%T'):
+            if isinstance(bound, Ref) and not is_temporary(bound.path):
                 yield slots[bound.path.casefold()].index

@@ -8,7 +8,7 @@ when the text is made, and FastISel then gives the code of the optimiser in a te
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 import ctypes
 import ctypes.util
 from functools import cache
@@ -104,6 +104,13 @@ class Linked:
         for symbol in symbols:
             library.export_symbol(symbol)
         self._library = library.link(self._engine, 'program')
+
+    def function(self, symbol: str, *arguments: Any) -> Callable[..., int]:
+        """Return a function that returns an i8; without types, arguments are not converted."""
+        function = ctypes.CFUNCTYPE(ctypes.c_int8, *arguments)(self.address(symbol))
+        if not arguments:
+            function.argtypes = None  # type: ignore[assignment]
+        return function
 
     def address(self, symbol: str) -> int:
         """Return where a function is, one of the symbols."""

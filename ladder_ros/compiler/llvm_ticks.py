@@ -20,7 +20,7 @@ from ladder_ros.compiler.il_to_llvm import ChunkEmitter
 from ladder_ros.compiler.llvm_builder import Builder, Val, WORD
 from ladder_ros.compiler.llvm_memory import Cells, Chunk, GO_ON, LEFT, Memory
 from ladder_ros.compiler.llvm_steps import NotNativeError
-from ladder_ros.compiler.symbols import Element, Operand, Ref
+from ladder_ros.compiler.symbols import Element, is_temporary, Operand, Ref
 from ladder_ros.model.catalogue import CATALOGUE
 
 _REFUSED = CONTROL | {Op.EXE, Op.RUN}
@@ -42,7 +42,7 @@ def own_times(code: InstructionList, slots: Mapping[str, int]) -> frozenset[int]
                 if isinstance(operand, Element):
                     first = slots[operand.first.path.casefold()]
                     named.update(range(first, first + operand.count * operand.stride))
-                elif isinstance(operand, Ref) and not operand.path.startswith('%T'):
+                elif isinstance(operand, Ref) and not is_temporary(operand.path):
                     named.update(_slots_of(operand.path.casefold(), slots))
     return frozenset(
         slots[f'{instance}.{name}'.casefold()] for instance, times in calls.items() if times == 1
@@ -113,7 +113,7 @@ def _written(network: Network, slots: Mapping[str, int]) -> set[int]:
         for target in targets:
             if isinstance(target, Element):
                 raise NotNativeError('an element')
-            if isinstance(target, Ref) and not target.path.startswith('%T'):
+            if isinstance(target, Ref) and not is_temporary(target.path):
                 found.add(slots[target.path.casefold()])
     return found
 

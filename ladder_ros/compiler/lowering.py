@@ -10,14 +10,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ladder_ros.compiler.symbols import author_path, Ref, Scope
+from ladder_ros.compiler.symbols import author_path, OF_EXPRESSIONS, Ref, Scope, temporary
 from ladder_ros.diagnostics import Diagnostic, Location, problem
 from ladder_ros.model.program import Composite
 from ladder_ros.model.st import Expression
 from ladder_ros.model.types import DataType
-
-FIRST_TEMPORARY = 100_000
-"""Temporaries of expressions count from here, out of the way of those of a rung's trees."""
 
 
 @dataclass(slots=True, kw_only=True)
@@ -33,13 +30,13 @@ class Lowering:
     expressions: Mapping[str, Expression] = field(default_factory=dict)
     enumerations: Mapping[str, int] = field(default_factory=dict)
     found: list[Diagnostic] = field(default_factory=list)
-    temporaries: int = FIRST_TEMPORARY
+    temporaries: int = OF_EXPRESSIONS
     calls: int = 0
 
     def temporary(self, type_: DataType) -> Ref:
         """Return a fresh temporary of a type."""
         self.temporaries += 1
-        return Ref(path=f'%T{self.temporaries}', type=type_)
+        return temporary(self.temporaries, type_)
 
     def call_instance(self) -> str:
         """Return the path of a fresh hidden instance, for one call site of a user function."""

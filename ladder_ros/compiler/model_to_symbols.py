@@ -14,7 +14,6 @@ from functools import lru_cache
 
 from ladder_ros.compiler.resolve_rung import RungResolver, suggestion
 from ladder_ros.compiler.symbols import (
-    pou_key,
     Ref,
     Resolved,
     Scope,
@@ -31,6 +30,7 @@ from ladder_ros.model.program import (
     Direction,
     Parameter,
     Pou,
+    pou_key,
     Program,
     Rung,
     Variable,
@@ -104,7 +104,7 @@ class _Resolver:
             for c in program.composites}
         shared = self._program_scope()
         for body in program.bodies:
-            scopes[f'body {body.name.casefold()}'] = replace(shared, pou=body.name)
+            scopes[pou_key(body)] = replace(shared, pou=body.name)
         same = {} if self.before is None else same_rungs(self.before, program, scopes)
         for pou in program.pous:
             if id(pou) in known:
@@ -193,8 +193,7 @@ class _Resolver:
         fixed = ''
         if parameter.direction is Direction.INPUT and not self.imported:
             fixed = 'it is an input parameter; make it inout if the composite must write it'
-        return _symbol(
-            name=parameter.name, type=parameter.type, is_parameter=True, why_fixed=fixed)
+        return _symbol(name=parameter.name, type=parameter.type, why_fixed=fixed)
 
     def _composite_scope(self, composite: Composite) -> Scope:
         taken: dict[str, Location] = {}
@@ -207,8 +206,10 @@ class _Resolver:
             d.name.casefold(),
             self._parameter(d) if isinstance(d, Parameter) else self._variable(d))
             for d in reversed(declared))
+        known = {name.casefold() for name in composite.externals}
+        outer = [one for one in self.program.blocks if one[0].casefold() in known]
         return self._with_instances(
-            composite.name, symbols, taken, composite.rungs, composite.blocks)
+            composite.name, symbols, taken, composite.rungs, (*outer, *composite.blocks))
 
     def _with_instances(
         self, pou: str, symbols: dict[str, Symbol], taken: dict[str, Location],

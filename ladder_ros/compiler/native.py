@@ -11,11 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from contextlib import suppress
-import ctypes
 from dataclasses import dataclass, field, replace
 import hashlib
 from itertools import groupby
-from typing import Any
 
 from ladder_ros.compiler.event_kernel import BoundTables, EventTables, KERNEL, NO_TICK, SYMBOL
 from ladder_ros.compiler.il import (
@@ -53,7 +51,7 @@ from ladder_ros.compiler.native_state import (
     SIGNATURE,
     TIME,
 )
-from ladder_ros.compiler.symbols import Element, Operand, Ref
+from ladder_ros.compiler.symbols import Element, is_temporary, Operand, Ref
 from ladder_ros.executable import Scan, Slot, State
 from ladder_ros.model.catalogue import CATALOGUE
 
@@ -121,7 +119,7 @@ def _written_order(routines: Sequence[Routine], slots: Mapping[str, int]) -> lis
                 elif instruction.op is not Op.FUN:
                     order.append(slots[active_flag(call.instance).path.casefold()])
             order += [slots[target.path.casefold()] for target in targets
-                      if isinstance(target, Ref) and not target.path.startswith('%T')]
+                      if isinstance(target, Ref) and not is_temporary(target.path)]
     return order
 
 
@@ -487,9 +485,10 @@ def load_native(
         for symbol in _symbols_of(part, by_events)})
 
     def part_scan(part: Part) -> _PartScan:
-        entry, *given = [linked.address(symbol) for symbol in _symbols_of(part, by_events)]
+        entry, *others = _symbols_of(part, by_events)
+        given = [linked.address(symbol) for symbol in others]
         bound = part.tables.bind(*given) if part.tables is not None and given else None
-        return _native_part(_CALLED(entry), linked, bound)
+        return _native_part(linked.function(entry), linked, bound)
 
     def scan_of(body: str, parts: Sequence[Part]) -> Scan:
         steps = [
@@ -509,14 +508,10 @@ def _symbols_of(part: Part, by_events: bool) -> list[str]:
     return [SYMBOL, part.symbol, chunks_symbol(part.symbol), ticks_symbol(part.symbol)]
 
 
-_CALLED = ctypes.CFUNCTYPE(ctypes.c_int8)
-
-
 def _native_part(
-    step: Any, linked: Linked, owner: BoundTables | None = None,
+    step: Callable[..., int], linked: Linked, owner: BoundTables | None = None,
 ) -> _PartScan:
     """Return what calls a native function; its ``owner`` are the tables that it uses."""
-    step.argtypes = None  # what it is called with needs no conversion
     number = PLAIN if owner is None else owner.number
 
     def scan(

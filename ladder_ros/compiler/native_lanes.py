@@ -8,13 +8,14 @@ copy works on them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 import ctypes
+from typing import Any, cast
 
 from ladder_ros.compiler.llvm_machine import Linked
 from ladder_ros.compiler.native import NativeProgram
 from ladder_ros.compiler.native_state import FORMAT, NativeLayout, SIZE
-from ladder_ros.executable import LANES, LaneScan, LaneState, Slot
+from ladder_ros.executable import LaneChange, LANES, LaneScan, LaneState, Slot
 from ladder_ros.model.types import DataType, Value
 
 _WORD = 8
@@ -43,13 +44,13 @@ class NativeLanes(LaneState):
         self.address = start + -start % 64
         skip = self.address - start
         whole = memoryview(self._memory).cast('B')[skip:skip + layout.size]
-        self._words = {}
-        self._rows = {}
+        self._words: dict[int, memoryview[int]] = {}
+        self._rows: dict[int, memoryview[Any]] = {}
         for slot in slots:
             offset = layout.offsets[slot.index]
             if slot.type is DataType.BOOL:
-                self._words[slot.index] = ctypes.c_uint64.from_address(self.address + offset)
-                self._words[slot.index].value = _ALL if slot.initial else 0
+                word = self._words[slot.index] = whole[offset:offset + _WORD].cast('Q')
+                word[0] = _ALL if slot.initial else 0
             elif offset >= 0:
                 row = whole[offset:offset + LANES * SIZE[slot.type]].cast(
                     FORMAT[slot.type])  # type: ignore[call-overload]
@@ -57,41 +58,41 @@ class NativeLanes(LaneState):
                     row[lane] = slot.initial
                 self._rows[slot.index] = row
 
-    def write(self, index: int, lane: int, value: Value) -> None:
-        """Give a slot of one lane a value."""
-        word = self._words.get(index)
-        if word is None:
-            self._rows[index][lane] = value
-        elif value:
-            word.value |= 1 << lane
-        else:
-            word.value &= ~(1 << lane)
+    def write(self, changes: Iterable[LaneChange]) -> None:
+        """Give slots of lanes values."""
+        words, rows = self._words, self._rows
+        for index, lane, value in changes:
+            word = words.get(index)
+            if word is None:
+                rows[index][lane] = value
+            elif value:
+                word[0] |= 1 << lane
+            else:
+                word[0] &= ~(1 << lane)
 
-    def read(self, index: int, lane: int) -> Value:
-        """Return the value of a slot of one lane."""
+    def row(self, index: int) -> int | tuple[Value, ...]:
+        """Return the values of a slot of all lanes: a BOOL's as a word."""
         word = self._words.get(index)
-        if word is not None:
-            return bool(word.value >> lane & 1)
-        value: Value = self._rows[index][lane]
-        return value
+        return tuple(self._rows[index]) if word is None else word[0]
 
-    def row(self, index: int) -> tuple[Value, ...]:
-        """Return the values of a slot of all lanes."""
-        word = self._words.get(index)
-        if word is None:
-            return tuple(self._rows[index])
-        return tuple(digit == '1' for digit in reversed(f'{word.value:0{LANES}b}'))
+    def by_lane(self, index: int, rows: Iterable[object]) -> Iterator[Sequence[Value]]:
+        """Yield for each lane the values that rows of a slot have of it."""
+        if index not in self._words:
+            yield from zip(*cast('Iterable[tuple[Value, ...]]', rows), strict=True)
+            return
+        digits = zip(*(f'{word:0{LANES}b}' for word in rows), strict=True)
+        for column in reversed(list(digits)):
+            yield list(map('1'.__eq__, column))
 
 
 def load_lanes(program: NativeProgram, objects: Sequence[bytes]) -> Mapping[str, LaneScan]:
     """Return a function for each body that scans all lanes; all of the program is native."""
     assert not program.why_not
     linked = Linked(objects, [part.symbol for parts in program.parts.values() for part in parts])
-    kind = ctypes.CFUNCTYPE(
-        ctypes.c_int8, ctypes.c_void_p, ctypes.c_int64, ctypes.c_uint64)
 
     def scan_of(symbols: Sequence[str]) -> LaneScan:
-        steps = [kind(linked.address(symbol)) for symbol in symbols]
+        steps = [linked.function(symbol, ctypes.c_void_p, ctypes.c_int64, ctypes.c_uint64)
+                 for symbol in symbols]
 
         def scan(state: LaneState, now: int, keeps: Linked = linked) -> None:
             assert isinstance(state, NativeLanes)

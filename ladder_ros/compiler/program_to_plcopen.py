@@ -10,17 +10,17 @@ element of the format can say.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass, field, replace
 import re
 
-from ladder_ros.compiler.aov import reads_and_writes
 from ladder_ros.compiler.aov_to_wires import Called, WireMaker
+from ladder_ros.compiler.code_names import names_in, written_in
 from ladder_ros.compiler.il import Call, Op
 from ladder_ros.compiler.imported import is_imported, needed_pous
 from ladder_ros.compiler.program_to_st import RELEASED, StWriter
-from ladder_ros.compiler.st_names import Identifiers, interface, Names
-from ladder_ros.compiler.symbols import is_address, pou_key
+from ladder_ros.compiler.st_names import interface, Names
+from ladder_ros.compiler.symbols import is_address
 from ladder_ros.compiler.wires_in_rows import in_rows
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.catalogue import CATALOGUE
@@ -42,9 +42,11 @@ from ladder_ros.model.program import (
     Direction,
     Parameter,
     Pou,
+    pou_key,
     Program,
     Rung,
     RunKind,
+    Task,
     Variable,
     VariableClass,
 )
@@ -59,6 +61,7 @@ from ladder_ros.source.model_to_plcopen import (
 )
 
 _DEFAULT_INTERVAL = 10_000_000
+_WORD = re.compile(r'\w+')
 _UNUSED = (Declaration(name='unused', type=DataType.BOOL, section='localVars'),)
 """For a POU without variables, which some editors refuse."""
 _SECTIONS = {Direction.INPUT: 'inputVars', Direction.OUTPUT: 'outputVars',
@@ -257,7 +260,7 @@ class _Exporter:
 
     # -- programs ---------------------------------------------------------------------------
 
-    def programs(self) -> tuple[list[RunText], set[str]]:
+    def programs(self) -> tuple[list[RunText], Set[str]]:
         once = [body for body in self.program.bodies if body.run is RunKind.ONCE]
         groups: dict[str, list[Body]] = {}
         for body in self.program.bodies:
@@ -267,25 +270,32 @@ class _Exporter:
             key = body.task.casefold() if is_drawn else f'{body.task.casefold()} {body.name}'
             groups.setdefault(key, []).append(body)
         tasks = {task.name.casefold(): task for task in self.program.tasks}
+
+        def task_of(bodies: Sequence[Body]) -> Task | None:
+            return tasks.get(bodies[0].task.casefold()) if bodies else None
+
         order = sorted(groups.values(), key=lambda bodies: (
-            tasks[bodies[0].task.casefold()].priority
-            if bodies[0].task.casefold() in tasks else 0))
-        shared = {n.casefold() for c in self.program.composites for n in c.externals}
+            task.priority if (task := task_of(bodies)) else 0))
+        first = task_of(order[0]) if order else None
+        if not order or (once and is_imported(order[0][0])):
+            order.insert(0, [])  # what runs once is called by a program of its own
+        shares = self.writer.share_out([*([body] for body in once), *order])
+        shared = shares.common.union(*(c.externals for c in self.program.composites))
         if len(order) > 1:
-            shared |= {v.name.casefold() for v in self.program.variables}
-            shared |= {name.casefold() for name, _ in self.program.blocks}
-        shared = {name for name in shared if not is_address(name)}
-        starts = [self.startup(body) for body in once]
-        if once and (not order or is_imported(order[0][0])):
-            raise LadderError.of('L0511', once[0].location, form='plcopen',
-                                 what=f'the body {once[0].name}, which runs once')
+            shared |= {v.name for v in self.program.variables}
+            shared |= {name for name, _ in self.program.blocks}
+        shared = frozenset(name.casefold() for name in shared if not is_address(name))
+        starts = [self.startup(body, shared, visible)
+                  for body, visible in zip(once, shares.visible, strict=False)]
         runs = []
         labels: dict[str, str] = {}
-        for number, bodies in enumerate(order):
-            task = tasks.get(bodies[0].task.casefold())
-            name = self.writer.types.fresh(bodies[0].name, 'program')
+        for number, (bodies, visible) in enumerate(
+                zip(order, shares.visible[len(once):], strict=True)):
+            task = task_of(bodies) if bodies else first
+            wanted = bodies[0].name if bodies else self.program.name
+            name = self.writer.types.fresh(wanted, 'program')
             self.pous.append(self.program_pou(
-                name, bodies, shared, starts if number == 0 else ()))
+                name, bodies, shared, visible, starts if number == 0 else ()))
             label = task.name if task else 'task0'
             if label not in labels:
                 labels[label] = self.writer.types.fresh(label, 'task') if self.rename else label
@@ -295,39 +305,44 @@ class _Exporter:
                 priority=task.priority if task else 0))
         return runs, shared
 
-    def startup(self, body: Body) -> PouText:
-        """Make a function block of a body that runs once; it is given the variables it uses."""
-        for rung in body.rungs:
-            for component in rung.components:
-                if isinstance(component, (Block, Instance)) and component.instance:
-                    raise LadderError.of(
-                        'L0511', component.location, form='plcopen',
-                        what=f'{component.instance} in {body.name}, which runs once')
-        own = Identifiers(self.writer.types.names, rename=self.rename)
-        for variable in self.program.variables:
-            own.own(variable.name)
-        names = Names(
-            scope=self.writer.stages.symbols.scopes[pou_key(body)], identifiers=own,
-            types=self.writer.types, scopes=self.writer.stages.symbols.scopes,
-            definitions=self.writer.composites)
-        drawing = self.drawing([body], names, aliased=False)
-        written = {
-            str(operand).casefold() for aov in self.writer.stages.graphs[pou_key(body)]
-            for symbol in aov.symbols for operand in reads_and_writes(symbol)[1]}
-        written = {re.split(r'[.\[{]', path)[0] for path in written}
+    def startup(self, body: Body, shared: Set[str], visible: Set[str]) -> PouText:
+        """Make a function block of a body that runs once; it is given the variables it uses.
+
+        Instances that nothing else uses are its own, the others (``shared``) the program's.
+        """
+        names = self.names([body])
+        text, declared = self.body([body], names, visible)
+        code = self.writer.code[pou_key(body)]
+        given = names_in(code) | names.used
+        for component in body.rungs[0].components if is_imported(body) and body.rungs else ():
+            given |= {word.casefold() for word in _WORD.findall(repr(component))}
+        written = written_in(code, self.is_passed_on)
         declarations = [
-            Declaration(name=own.own(v.name), type=v.type, section=(
+            Declaration(name=names.identifiers.own(v.name), type=v.type, section=(
                 'inOutVars' if v.name.casefold() in written else 'inputVars'))
-            for v in self.program.variables if v.name.casefold() in names.used]
-        declarations += self.hidden(names, ())
+            for v in self.program.variables
+            if v.name.casefold() in given and not is_address(v.name)]
+        outer = self.common_blocks(shared, visible)
+        declarations += [self.external(name) for name in outer]
+        declarations += self.hidden(names, outer)
+        declarations += [one for one in declared if one.name not in outer]
         name = self.writer.types.fresh(f'{body.name}_once')
         self.pins[name.casefold()] = (
-            tuple(d.name for d in declarations if d.section != 'localVars'),
+            tuple(d.name for d in declarations if d.section in ('inputVars', 'inOutVars')),
             tuple(d.name for d in declarations if d.section == 'inOutVars'))
-        pou = PouText(name=name, kind='functionBlock', declarations=tuple(declarations),
-                      body=drawing, comment=body.comment)
+        pou = PouText(name=name, kind='functionBlock', declarations=tuple(declarations) or _UNUSED,
+                      body=text, comment=body.comment)
         self.pous.append(pou)
         return pou
+
+    def is_passed_on(self, call: Call, pin: str) -> bool:
+        """Say whether a parameter is given its variable itself, not a copy of its value."""
+        return pin.casefold() in self.called[call.name.casefold()].references
+
+    def common_blocks(self, shared: Set[str], visible: Set[str]) -> list[str]:
+        """Return the global instances that a POU knows."""
+        return [name for key, (name, _) in self.writer.instances().items()
+                if key in shared and key in visible]
 
     def call_once(self, maker: WireMaker, pou: PouText) -> None:
         """Draw the call of what runs once, and the coil that remembers it."""
@@ -337,16 +352,14 @@ class _Exporter:
         power = maker.constant_contact(done, ContactKind.NORMALLY_CLOSED)
         executed = maker.call(
             Instance(id='', placement=Placement(x=0, y=0), composite=pou.name, instance=instance),
-            power, [(d.name, d.name) for d in pou.declarations if d.section != 'localVars'])
+            power, [(pin, pin) for pin in self.pins[pou.name.casefold()][0]])
         maker.coil(executed, done, CoilKind.SET)
 
     def program_pou(
-        self, name: str, bodies: Sequence[Body], shared: set[str], starts: Sequence[PouText],
+        self, name: str, bodies: Sequence[Body], shared: Set[str], visible: Set[str],
+        starts: Sequence[PouText],
     ) -> PouText:
-        own = Identifiers(self.writer.types.names, rename=self.rename)
-        first = bodies[0]
-        for variable in self.program.variables:
-            own.own(variable.name)
+        names = self.names(bodies)
         declarations = []
         for variable in self.program.variables:
             if is_address(variable.name):
@@ -354,32 +367,39 @@ class _Exporter:
             if variable.name.casefold() in shared:
                 declarations.append(self.external(variable.name))
             else:
-                declarations.append(self.variable(own.own(variable.name), variable))
-        external_blocks = [n for n, _ in self.program.blocks if n.casefold() in shared]
-        declarations += [self.external(n) for n in external_blocks]
-        names = Names(
-            scope=self.writer.stages.symbols.scopes[pou_key(first)], identifiers=own,
-            types=self.writer.types, scopes=self.writer.stages.symbols.scopes,
-            definitions=self.writer.composites)
-        body: Rung | str
-        if first.statements:
-            names.declare_instances()
-            emitter = self.writer.emitter(names, aliased=False)
-            self.writer.emit(emitter, self.writer.code[pou_key(first)])
-            body = '\n'.join(emitter.lines)
-            declarations += self.hidden(names, external_blocks)
-        elif is_imported(first):
-            body = self.imported(first)
-            known = {n.casefold() for n in external_blocks}
-            declarations += [d for d in self.blocks(
-                [b for b in self.program.blocks if b[0].casefold() not in known], first.rungs)
-                if d.name.casefold() not in known]
-        else:
-            names.declare_instances()
-            body = self.drawing(bodies, names, aliased=False, starts=starts)
-            declarations += self.hidden(names, external_blocks)
+                declarations.append(
+                    self.variable(names.identifiers.own(variable.name), variable))
+        outer = self.common_blocks(shared, visible)
+        declarations += [self.external(n) for n in outer]
+        body, declared = self.body(bodies, names, visible, starts)
+        declarations += self.hidden(names, outer)
+        declarations += [one for one in declared if one.name not in outer]
         return PouText(name=name, kind='program', declarations=tuple(declarations) or _UNUSED,
                        body=body, comment=self.program.specification)
+
+    def names(self, bodies: Sequence[Body]) -> Names:
+        """Return the names of the program for a POU of some of its bodies."""
+        scopes = self.writer.stages.symbols.scopes
+        return Names(
+            scope=scopes[pou_key((*bodies, *self.program.bodies)[0])], scopes=scopes,
+            identifiers=self.writer.program_names(named=False), types=self.writer.types,
+            definitions=self.writer.composites)
+
+    def body(
+        self, bodies: Sequence[Body], names: Names, visible: Set[str],
+        starts: Sequence[PouText] = (),
+    ) -> tuple[Rung | str, list[Declaration]]:
+        """Return what a POU does, and the instances that an imported drawing has in it."""
+        if bodies and bodies[0].statements:
+            names.declare_instances(visible)
+            emitter = self.writer.emitter(names, aliased=False)
+            self.writer.emit(emitter, bodies[0])
+            return '\n'.join(emitter.lines), []
+        if bodies and is_imported(bodies[0]):
+            mine = [one for one in self.program.blocks if one[0].casefold() in visible]
+            return self.imported(bodies[0]), list(self.blocks(mine, bodies[0].rungs))
+        names.declare_instances(visible)
+        return self.drawing(bodies, names, aliased=False, starts=starts), []
 
     # -- variables --------------------------------------------------------------------------
 
@@ -397,17 +417,17 @@ class _Exporter:
                 return Declaration(
                     name=self.writer.globals.own(name), type=variable.type,
                     section='externalVars', constant=variable.constant)
-        type_ = next(t for n, t in self.program.blocks if n.casefold() == name.casefold())
+        _, type_ = self.writer.instances()[name.casefold()]
         return Declaration(name=self.writer.globals.own(name), type=self.block_type(type_),
                            section='externalVars')
 
-    def globals(self, shared: set[str]) -> Iterator[Declaration]:
+    def globals(self, shared: Set[str]) -> Iterator[Declaration]:
         for variable in self.program.variables:
             if variable.name.casefold() in shared:
                 yield replace(
                     self.variable(self.writer.globals.own(variable.name), variable),
                     section='globalVars')
-        for name, type_ in self.program.blocks:
-            if name.casefold() in shared:
+        for key, (name, type_) in self.writer.instances().items():
+            if key in shared:
                 yield Declaration(name=self.writer.globals.own(name),
                                   type=self.block_type(type_), section='globalVars')

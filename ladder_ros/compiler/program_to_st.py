@@ -9,17 +9,19 @@ ENABLE as an input and releases its timers itself when that ends.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 
+from ladder_ros.compiler.access_keys import by_path
+from ladder_ros.compiler.code_names import names_in
 from ladder_ros.compiler.il import Network, Op
 from ladder_ros.compiler.il_to_st import comment_line, StEmitter
 from ladder_ros.compiler.imported import needed_pous
-from ladder_ros.compiler.pipeline import analyse, build_trees, completed, lower, Stages
 from ladder_ros.compiler.st_names import Identifiers, interface, literal, Names, user_names
 from ladder_ros.compiler.st_to_iec import instruction_lines
-from ladder_ros.compiler.symbols import Operand, pou_key, Ref
-from ladder_ros.diagnostics import has_errors, LadderError
+from ladder_ros.compiler.stages import analyse, build_trees, completed, lower, Stages
+from ladder_ros.diagnostics import raise_errors
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.derived import (
     Array,
@@ -34,7 +36,11 @@ from ladder_ros.model.program import (
     CallKind,
     Composite,
     Direction,
+    is_body_key,
+    name_of_key,
     Parameter,
+    Pou,
+    pou_key,
     Program,
     RunKind,
     Variable,
@@ -62,6 +68,18 @@ def write_il(program: Program) -> str:
     writer = StWriter.of(program, named=True)
     writer.spell = instruction_lines
     return '\n'.join(writer.text()) + '\n'
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shares:
+    """Whose the instances of a program are when groups of its bodies become a POU each.
+
+    ``visible`` has the casefolded names that each group knows; ``common`` are those that several
+    groups call or look at: global variables.
+    """
+
+    visible: tuple[frozenset[str], ...]
+    common: frozenset[str]
 
 
 def _as_they_are(names: Names, lines: list[str]) -> list[str]:
@@ -95,16 +113,45 @@ class StWriter:
         """
         program = completed(program)
         stages = analyse(program)
-        if has_errors(stages.diagnostics):
-            raise LadderError(stages.diagnostics)
+        raise_errors(stages.diagnostics)
         code = {**lower(build_trees(program, stages)), **stages.texts}
         composites = {c.name.casefold(): c for c in program.composites}
         types = Identifiers(user_names(program), rename=rename, named=named)
         for composite in program.composites:
             types.own(composite.name, 'block')
-        return cls(program=program, stages=stages, code=code, composites=composites,
-                   aliased=aliased_composites(program, code), types=types,
-                   globals=Identifiers(types.names, rename=rename, named=named))
+        writer = cls(program=program, stages=stages, code=code, composites=composites,
+                     aliased=aliased_composites(program, code), types=types)
+        writer.globals = writer.program_names(named=named)
+        return writer
+
+    # -- names of the program ---------------------------------------------------------------
+
+    def program_names(self, *, named: bool) -> Identifiers:
+        """Return identifiers that give the program's own names, alike in each of its POUs."""
+        own = Identifiers(self.types.names, rename=self.types.rename, named=named)
+        for variable in self.program.variables:
+            own.own(variable.name)
+        for name, _ in self.instances().values():
+            own.own(name)
+        return own
+
+    def instances(self) -> dict[str, tuple[str, str]]:
+        """Return the program's instances by casefolded name, name and type; no inline ones."""
+        scope = self.stages.symbols.scopes[pou_key(self.program.bodies[0])]
+        found = {key: (name, kind.name) for key, (name, kind) in scope.blocks.items()}
+        found.update((key, (name, composite.name))
+                     for key, (name, composite) in scope.instances.items()
+                     if composite.call is not CallKind.INLINE)
+        return found
+
+    def share_out(self, groups: Sequence[Sequence[Body]]) -> Shares:
+        """Say whose the instances are if each group of bodies becomes a POU."""
+        used = [frozenset[str]().union(*(names_in(self.code[pou_key(body)]) for body in group))
+                for group in groups]
+        counts = Counter(name for names in used for name in names)
+        used[-1] |= self.instances().keys() - counts.keys()  # one must declare what nobody uses
+        return Shares(visible=tuple(used), common=frozenset(
+            name for name in self.instances() if counts[name] > 1))
 
     # -- the file ---------------------------------------------------------------------------
 
@@ -165,7 +212,7 @@ class StWriter:
         if composite.call is CallKind.ENABLED:
             emitter.indent = '  '
         networks = self.code[pou_key(composite)]
-        self.emit(emitter, networks)
+        self.emit(emitter, composite)
         if composite.call is CallKind.ENABLED:
             return names, list(self.enabled(names, emitter, networks, enable))
         return names, emitter.lines or nothing(names)
@@ -207,8 +254,9 @@ class StWriter:
         return StEmitter(names=names, composites=self.composites, aliased=aliased,
                          by_name=self.aliased)
 
-    def emit(self, emitter: StEmitter, networks: Sequence[Network]) -> None:
-        """Emit networks one below the other; parts of what they call are named from the start."""
+    def emit(self, emitter: StEmitter, pou: Pou) -> None:
+        """Emit a POU's networks in order; parts of what they call are named from the start."""
+        networks, emitter.location = self.code[pou_key(pou)], pou.location
         for network in networks:
             for instruction in network.code:
                 if instruction.op is Op.RUN and instruction.call is not None:
@@ -234,34 +282,33 @@ class StWriter:
         groups = groups or {'': []}
         priority = {task.name.casefold(): task.priority for task in self.program.tasks}
         order = sorted(groups, key=lambda task: priority.get(task, 0))
+        groups[order[0]] = [*once, *groups[order[0]]]
+        shares = self.share_out([groups[task] for task in order])
         used = {name.casefold() for composite in self.program.composites
-                for name in composite.externals}
+                for name in composite.externals}.union(shares.common)
         if len(groups) > 1:
-            used = {v.name.casefold() for v in self.program.variables}
+            used |= {v.name.casefold() for v in self.program.variables}
             used |= {name.casefold() for name, _ in self.program.blocks}
         instances: list[tuple[str, str]] = []
         for number, task in enumerate(order):
-            bodies = (once if number == 0 else []) + groups[task]
-            wanted = groups[task][0].name if groups[task] else self.program.name
-            name = self.types.fresh(wanted, 'program')
+            cyclic = [body for body in groups[task] if body.run is RunKind.CYCLIC]
+            name = self.types.fresh(cyclic[0].name if cyclic else self.program.name, 'program')
             instances.append((name, task))
             yield ''
-            yield from self.program_pou(name, bodies, used, len(order) > 1)
+            yield from self.program_pou(name, groups[task], used, shares.visible[number])
         yield ''
         yield from self.configuration(instances, used)
 
     def program_pou(
-        self, name: str, bodies: Sequence[Body], shared: set[str], several: bool,
+        self, name: str, bodies: Sequence[Body], shared: Set[str], visible: Set[str],
     ) -> Iterator[str]:
-        """Yield one PROGRAM."""
+        """Yield one PROGRAM; ``visible`` are the instances that it knows."""
         scope = self.stages.symbols.scopes[pou_key((*bodies, *self.program.bodies)[0])]
-        own = Identifiers(self.types.names, named=True)
-        for variable in self.program.variables:
-            own.own(variable.name)
+        own = self.program_names(named=True)
         names = Names(scope=scope, identifiers=own, types=self.types,
                       scopes=self.stages.symbols.scopes,
                       definitions=self.composites)
-        names.declare_instances()
+        names.declare_instances(visible)
         emitter = self.emitter(names, aliased=False)
         for body in bodies:
             names.prefix = f'{body.name}.' if len(bodies) > 1 else ''
@@ -271,7 +318,7 @@ class StWriter:
                 emitter.put(f'IF NOT {done} THEN')
                 emitter.indent = '  '
                 emitter.put(f'{done} := TRUE;')
-            self.emit(emitter, self.code[pou_key(body)])
+            self.emit(emitter, body)
             if done:
                 emitter.indent = ''
                 emitter.put('END_IF;')
@@ -284,11 +331,8 @@ class StWriter:
                 section, is_located, line = _external(variable), False, (
                     f'{own.own(variable.name)} : {self.type_text(variable.type)};')
             sections.add(section, line, is_located=is_located)
-        externals = [n for n, _ in self.program.blocks if n.casefold() in shared]
-        if several:
-            externals = [
-                n for n, _ in (*scope.blocks.values(), *scope.instances.values())]
-            externals = [n for n in externals if self.used_by_several(n)]
+        externals = [block for key, (block, _) in self.instances().items()
+                     if key in shared and key in visible]
         for block in externals:
             sections.add('VAR_EXTERNAL',
                          f'{self.globals.own(block)} : {self.global_type(block)};')
@@ -299,12 +343,8 @@ class StWriter:
         yield from (f'  {line}' for line in lines)
         yield 'END_PROGRAM'
 
-    def used_by_several(self, name: str) -> bool:
-        """Say whether a block instance is global: declared by the project, not by its use."""
-        return any(name.casefold() == known.casefold() for known, _ in self.program.blocks)
-
     def configuration(
-        self, instances: Sequence[tuple[str, str]], shared: set[str],
+        self, instances: Sequence[tuple[str, str]], shared: Set[str],
     ) -> Iterator[str]:
         """Yield the configuration: shared variables, tasks, program instances."""
         sections = _Sections()
@@ -319,8 +359,8 @@ class StWriter:
                     section += ' RETAIN'
                 sections.add(section, self.declaration(names, variable, variable.initial),
                              is_located=bool(variable.address))
-        for name, type_ in self.program.blocks:
-            if name.casefold() in shared:
+        for key, (name, type_) in self.instances().items():
+            if key in shared:
                 sections.add('VAR_GLOBAL',
                              f'{self.globals.own(name)} : {self.block_type(type_)};')
         yield 'CONFIGURATION config'
@@ -366,8 +406,7 @@ class StWriter:
         for variable in self.program.variables:
             if variable.name.casefold() == name.casefold():
                 return self.type_text(variable.type)
-        return next(self.block_type(type_) for known, type_ in self.program.blocks
-                    if known.casefold() == name.casefold())
+        return self.block_type(self.instances()[name.casefold()][1])
 
     def block_type(self, name: str) -> str:
         """Return the type of a block instance as it is written."""
@@ -451,8 +490,6 @@ def _external(variable: Variable) -> str:
     return 'VAR_EXTERNAL CONSTANT' if variable.constant else 'VAR_EXTERNAL'
 
 
-
-
 def _comment(text: str) -> Iterator[str]:
     if text:
         yield '(* ' + text.replace('*)', '* )').replace('(*', '( *') + ' *)'
@@ -475,9 +512,8 @@ def aliased_composites(
         changed = False
         for key, call in calls:
             name = call.name.casefold()
-            roots = [_root(operand) for _, operand in call.inputs]
-            roots = [root for root in roots if root]
-            outer = key.removeprefix('composite ') if key.startswith('composite ') else ''
+            roots = [root for _, operand in call.inputs if (root := by_path(operand))]
+            outer = '' if is_body_key(key) else name_of_key(key)
             shared = {n.casefold() for n in composites[name].externals}
             is_aliased = (len(set(roots)) < len(roots) or outer in found
                           or not shared.isdisjoint(roots)
@@ -486,9 +522,3 @@ def aliased_composites(
                 found.add(name)
                 changed = True
     return frozenset(found)
-
-
-def _root(operand: Operand) -> str:
-    if isinstance(operand, Ref):
-        return operand.path.casefold().partition('[')[0]
-    return ''

@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from ladder_ros.compiler.pipeline import check_program, completed
-from ladder_ros.diagnostics import has_errors, LadderError
+from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.stages import completed
+from ladder_ros.diagnostics import raise_errors
 from ladder_ros.model.program import Program
 from ladder_ros.source.model_to_xml import write_program
 
@@ -18,7 +19,5 @@ def write_xml(program: Program) -> str:
     """
     if program.dialect != 'native':
         program = completed(program)
-        found = check_program(program)
-        if has_errors(found):
-            raise LadderError(found)
+        raise_errors(check_program(program))
     return write_program(program)

@@ -19,10 +19,10 @@ from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.resolve_rung import suggestion
 from ladder_ros.compiler.st_places import Place, shown, Wrong
 from ladder_ros.compiler.st_values import Number, Value
-from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target
+from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target, TRUE
 from ladder_ros.diagnostics import Location
 from ladder_ros.model.catalogue import BASIC_NAMES, BlockKind, CATALOGUE, Pin
-from ladder_ros.model.derived import elementary, leaves, Type
+from ladder_ros.model.derived import elementary, leaves, Type, type_name
 from ladder_ros.model.program import CallKind, Composite, Direction, Parameter
 from ladder_ros.model.st import CallArgument, CallExpression, Expression, VariableExpression
 from ladder_ros.model.types import DataType
@@ -106,7 +106,7 @@ def bind(emitter: Emitter, expression: CallExpression) -> Bound:
         if argument.name.upper() == 'EN':
             enabled = emitter.operand(argument.value, DataType.BOOL)
             continue
-        pin = _pin(emitter, kind, argument, place, len(expression.arguments))
+        pin = _pin(emitter, kind, argument, place)
         place += not argument.name
         if pin.name in given:
             emitter.lowering.report(
@@ -126,21 +126,8 @@ def bind(emitter: Emitter, expression: CallExpression) -> Bound:
                  enabled=enabled, outputs=tuple(outputs))
 
 
-def _pin(
-    emitter: Emitter, kind: BlockKind, argument: CallArgument, place: int, count: int,
-) -> Pin:
-    if argument.name:
-        found = kind.input(argument.name)
-    else:
-        pins = list(kind.data_inputs)
-        while kind.extensible and len(pins) <= place:
-            last = pins[-1].name
-            stem = last.rstrip('0123456789')
-            pin = kind.input(f'{stem}{int(last[len(stem):]) + 1}')
-            if pin is None:
-                break
-            pins.append(pin)
-        found = pins[place] if place < len(pins) else None
+def _pin(emitter: Emitter, kind: BlockKind, argument: CallArgument, place: int) -> Pin:
+    found = kind.input(argument.name) if argument.name else kind.data_input(place)
     if found is None:
         emitter.lowering.report(
             'L0209', argument.location, owner=kind.name, pin=argument.name or f'{place + 1}',
@@ -250,7 +237,7 @@ def run(
             emitter.lowering.report('L0210', location, owner=composite.name, pin=parameter.name,
                                     type=type_name(parameter.type))
             raise Wrong
-    power = enabled or Literal(value=True, type=DataType.BOOL)
+    power = enabled or TRUE
     emitter.emit(Op.LD, power)
     emitter.code.append(Instruction(op=Op.RUN, call=Call(
         name=composite.name, instance=instance, inputs=tuple(bindings))))
@@ -316,7 +303,7 @@ def _bind_inout(
     if place.type != parameter.type and (type_ is None or type_ is not elementary(parameter.type)):
         emitter.lowering.report(
             'L0204', argument.location, name=f'what is given to {parameter.name}',
-            actual=type_name(place.type), expected=type_name(parameter.type))
+            actual=place.type_name, expected=type_name(parameter.type))
         raise Wrong
     if is_only and not place.dimensions:
         return parameter.name, Ref(path=place.path, type=type_ or DataType.BOOL)
@@ -345,9 +332,9 @@ def copy_aggregate(emitter: Emitter, target: Place, expression: Expression) -> N
     if isinstance(expression, VariableExpression):
         source = emitter.source_place(expression)
     if source is None or source.type != target.type:
-        actual = 'a value' if source is None else type_name(source.type)
+        actual = 'a value' if source is None else source.type_name
         emitter.lowering.report('L0204', expression.location, name=target.path, actual=actual,
-                                expected=type_name(target.type))
+                                expected=target.type_name)
         raise Wrong
     for suffix, leaf, _ in leaves(target.type):
         emitter.move(emitter.part(source, suffix, leaf), emitter.part(target, suffix, leaf))
@@ -368,7 +355,7 @@ def _copy_out(
         if place.type != parameter.type:
             emitter.lowering.report(
                 'L0204', argument.location, name=shown(argument.target),
-                actual=type_name(place.type), expected=type_name(parameter.type))
+                actual=place.type_name, expected=type_name(parameter.type))
             raise Wrong
         for suffix, leaf, _ in leaves(parameter.type):
             emitter.move(emitter.part(source, suffix, leaf), emitter.part(place, suffix, leaf))
@@ -397,10 +384,3 @@ def copy_bool(emitter: Emitter, source: Operand, argument: CallArgument) -> None
     emitter.emit(Op.LDN if argument.negated else Op.LD, source)
     emitter.emit(Op.ST, target)
     emitter.emit(Op.DRP)
-
-
-def type_name(type_: object) -> str:
-    """Return how messages call a type."""
-    if isinstance(type_, DataType):
-        return type_.value
-    return getattr(type_, 'name', '') or f'an anonymous {type(type_).__name__.lower()}'

@@ -37,7 +37,7 @@ from ladder_ros.compiler.st_values import (
     value_type,
     WIDER,
 )
-from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target
+from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target, TRUE
 from ladder_ros.diagnostics import Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE, Generic
 from ladder_ros.model.program import CallKind, Composite
@@ -59,7 +59,6 @@ from ladder_ros.model.types import (
 
 Code = tuple[Instruction, ...]
 
-TRUE = Literal(value=True, type=DataType.BOOL)
 _FUNCTION: Mapping[str, str] = {
     '+': 'ADD', '-': 'SUB', '*': 'MUL', '/': 'DIV', 'MOD': 'MOD', '**': 'EXPT', '<': 'LT',
     '>': 'GT', '<=': 'LE', '>=': 'GE', '=': 'EQ', '<>': 'NE', 'AND': 'AND', 'OR': 'OR',

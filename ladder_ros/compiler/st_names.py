@@ -7,16 +7,16 @@ Standard identifiers only (IEC 61131-3, 6.1.2): letters, digits, single undersco
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Set
+from dataclasses import dataclass, field, replace
 import re
 
-from ladder_ros.compiler.symbols import is_address, pou_key, Ref, Scope
+from ladder_ros.compiler.symbols import is_address, is_temporary, Ref, Scope
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import Block, Instance
 from ladder_ros.model.derived import leaves
 from ladder_ros.model.names import KEYWORDS
-from ladder_ros.model.program import CallKind, Composite, Pou, Program
+from ladder_ros.model.program import CallKind, Composite, Pou, pou_key, Program
 from ladder_ros.model.types import DataType, default_value, format_literal, format_time, Value
 
 _MORE_WORDS = """
@@ -114,9 +114,18 @@ class Names:
     """Casefolded names of the scope's variables that were asked for."""
     _paths: dict[str, str] = field(default_factory=dict)
 
-    def declare_instances(self) -> None:
-        """Declare the block and composite instances of the POU; inline ones leave their parts."""
-        self._declare(self.scope, '')
+    def declare_instances(self, among: Set[str] | None = None) -> None:
+        """Declare the block and composite instances of the POU; inline ones leave their parts.
+
+        Of those of a program only the ones ``among`` the casefolded names are this body's.
+        """
+        scope = self.scope
+        if among is not None:
+            scope = replace(
+                scope, blocks={key: scope.blocks[key] for key in scope.blocks if key in among},
+                instances={
+                    key: scope.instances[key] for key in scope.instances if key in among})
+        self._declare(scope, '')
 
     def _declare(self, scope: Scope, prefix: str) -> None:
         for name, kind in scope.blocks.values():
@@ -181,7 +190,7 @@ class Names:
             self.used.add(head[0].casefold())
             return self.identifiers.own(head[0]) + path[head.end():]
         key = self._key(path)
-        if path.startswith('%T'):
+        if is_temporary(path):
             key = f'{path}:{ref.type}'  # temporaries of several rungs share their numbers
         if key not in self._paths:
             self._paths[key] = self._new(path)

@@ -19,7 +19,7 @@ from ladder_ros.compiler.resolve_rung import suggestion
 from ladder_ros.compiler.symbols import Literal, Operand
 from ladder_ros.diagnostics import Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
-from ladder_ros.model.derived import Array, elementary, leaf_count, Structure, Type
+from ladder_ros.model.derived import Array, elementary, leaf_count, Structure, Type, type_name
 from ladder_ros.model.program import Composite, Direction
 from ladder_ros.model.st import (
     BinaryExpression,
@@ -64,6 +64,13 @@ class Place:
     why_fixed: str = ''
     dimensions: tuple[Dimension, ...] = ()
     bit: int | None = None
+
+    @property
+    def type_name(self) -> str:
+        """What messages call the type."""
+        if isinstance(self.type, (BlockKind, Composite)):
+            return self.type.name
+        return type_name(self.type)
 
     @property
     def value_type(self) -> DataType | None:

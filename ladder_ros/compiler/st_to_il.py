@@ -10,7 +10,7 @@ Loops are LOOP ... BRK ... POOL; that none of them runs for ever is the backends
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 from typing_extensions import assert_never
@@ -19,16 +19,16 @@ from ladder_ros.compiler.il import Call, Instruction, Op
 from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.resolve_rung import suggestion
 from ladder_ros.compiler.st_calls import copy_aggregate, copy_bool, copy_out, run
-from ladder_ros.compiler.st_expressions import ExpressionEmitter, TRUE
+from ladder_ros.compiler.st_expressions import ExpressionEmitter
 from ladder_ros.compiler.st_places import Place, shown, Wrong
-from ladder_ros.compiler.symbols import Literal, Operand, Ref, Target
+from ladder_ros.compiler.symbols import FALSE, Literal, Operand, Ref, Target, TRUE
 from ladder_ros.diagnostics import Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.program import CallKind, Composite
 from ladder_ros.model.st import (
     Assignment,
-    BinaryExpression,
     CallArgument,
+    called_names,
     CallExpression,
     CallStatement,
     CaseStatement,
@@ -37,20 +37,15 @@ from ladder_ros.model.st import (
     Expression,
     ForStatement,
     IfStatement,
-    LiteralExpression,
     RepeatStatement,
     ReturnStatement,
     Statement,
-    UnaryExpression,
-    VariableExpression,
     WhileStatement,
 )
 from ladder_ros.model.types import DataType, INTEGER_RANGE
 
 MAX_LOOPS = 15
 """Deepest nesting of loops; Python has room for 20."""
-
-FALSE = Literal(value=False, type=DataType.BOOL)
 
 
 def lower_statements(
@@ -59,7 +54,7 @@ def lower_statements(
     """Return the code of a body in Structured Text; problems go into ``lowering``."""
     emitter = _Statements(
         emitter=ExpressionEmitter(lowering=lowering),
-        calls=Counter(name.casefold() for name in called_functions(tuple(statements))))
+        calls=Counter(called_names(tuple(statements))))
     emitter.all(statements)
     return tuple(emitter.emitter.code)
 
@@ -499,47 +494,3 @@ def _surely_fits(last: Ref | Literal, step: Ref | Literal) -> bool:
         low, high = INTEGER_RANGE[last.type]
         return low <= int(last.value) + int(step.value) <= high
     return False
-
-
-# -- what is called --------------------------------------------------------------------------
-
-def called_functions(node: object) -> Iterator[str]:
-    """Yield the name of every function that statements or an expression call.
-
-    Names of instances that statements call are among them; those of their types are not.
-    """
-    pending = [node]
-    while pending:
-        item = pending.pop()
-        match item:
-            case CallExpression():
-                yield item.name
-                pending += item.arguments
-            case CallStatement():
-                yield item.target.name
-                pending += [item.target, *item.arguments]
-            case CallArgument():
-                pending += [item.value, item.target]
-            case VariableExpression():
-                pending += item.accessors
-            case UnaryExpression():
-                pending.append(item.operand)
-            case BinaryExpression():
-                pending += [item.left, item.right]
-            case LiteralExpression() | None:
-                pass
-            case Assignment():
-                pending += [item.target, item.value]
-            case IfStatement():
-                pending += [item.branches, item.otherwise]
-            case CaseStatement():
-                pending += [item.selector, item.branches, item.otherwise]
-            case ForStatement():
-                pending += [item.variable, item.first, item.last, item.step, item.body]
-            case WhileStatement() | RepeatStatement():
-                pending += [item.condition, item.body]
-            case tuple():
-                pending += item
-            case _:
-                subscripts = getattr(item, 'subscripts', ())
-                pending += subscripts

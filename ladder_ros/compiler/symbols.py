@@ -10,7 +10,6 @@ from dataclasses import dataclass, field, replace
 from ladder_ros.model.catalogue import BlockKind
 from ladder_ros.model.derived import Type
 from ladder_ros.model.program import Composite
-from ladder_ros.model.program import pou_key as pou_key
 from ladder_ros.model.types import DataType, format_literal, Value
 from ladder_ros.nouns import maker
 
@@ -69,6 +68,9 @@ class Element:
         return f'{self.first}{{{self.index}, {self.count}, {self.stride}}}'
 
 
+TRUE = Literal(value=True, type=DataType.BOOL)
+FALSE = Literal(value=False, type=DataType.BOOL)
+
 Operand = Ref | Literal | Element
 """What an instruction or a pin refers to."""
 
@@ -82,7 +84,6 @@ class Symbol:
 
     name: str
     type: Type
-    is_parameter: bool = False
     why_fixed: str = ''
 
 
@@ -148,9 +149,30 @@ def edge_memory(rung: str, component: str) -> Ref:
     return _ref(path=f'%edge.{rung}.{component}', type=DataType.BOOL)
 
 
+_TEMPORARY = '%T'
+
+OF_EXPRESSIONS, OF_EXECUTE_BOXES, OF_JUMPS = 100_000, 200_000, 300_000
+"""Where temporaries of expressions, EXECUTE boxes and jumps count from; those of trees from 0."""
+
+
+def temporary(number: int, type_: DataType = DataType.BOOL) -> Ref:
+    """Return the temporary of that number; it lives as long as its network."""
+    return _ref(path=f'{_TEMPORARY}{number}', type=type_)
+
+
+def is_temporary(path: str) -> bool:
+    """Say whether a path is that of a temporary."""
+    return path.startswith(_TEMPORARY)
+
+
 def data_slot(rung: str, component: str, pin: str, type_: DataType) -> Ref:
     """Return the hidden variable that carries a direct data connection from a function's pin."""
     return _ref(path=f'%data.{rung}.{component}.{pin}', type=type_)
+
+
+def is_data_slot(target: Target) -> bool:
+    """Say whether what is written is hidden: a direct data connection, or a copy to pass on."""
+    return '%data' in (target.first if isinstance(target, Element) else target).path
 
 
 def author_path(path: str) -> str:
@@ -161,7 +183,7 @@ def author_path(path: str) -> str:
 
 def is_address(path: str) -> bool:
     """Say whether a path is a located address (%IX0.0): one variable for the whole program."""
-    return path[:1] == '%' and path[1:2].upper() in ('I', 'Q', 'M') and path[:2] != '%T'
+    return path[:1] == '%' and path[1:2].upper() in ('I', 'Q', 'M')
 
 
 def _bound(ref: Ref, bindings: Mapping[str, Operand]) -> Operand | None:
@@ -192,7 +214,7 @@ def substitute(
         index = substitute(operand.index, prefix, bindings)
         assert isinstance(first, Ref) and not isinstance(index, Element)
         return replace(operand, first=first, index=index)
-    if operand.path.startswith('%T') or is_address(operand.path):
+    if is_temporary(operand.path) or is_address(operand.path):
         return operand
     bound = _bound(operand, bindings)
     if isinstance(bound, Ref):

@@ -21,7 +21,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ladder_ros.compiler.aov import describe_symbol, rung_title, SymbolVertex
-from ladder_ros.compiler.symbols import Ref
+from ladder_ros.compiler.symbols import is_data_slot, Ref
 from ladder_ros.model.types import DataType
 
 
@@ -148,7 +148,7 @@ def leaves(tree: Tree) -> Iterator[Leaf | Pin | Load | Save]:
 def pin_operand(symbol: SymbolVertex, pin: str) -> Ref:
     """Return the variable that holds what a block's further power output gave last."""
     for name, ref in symbol.resolved.outputs:
-        if name == pin and isinstance(ref, Ref) and '%data' in ref.path:
+        if name == pin and isinstance(ref, Ref) and is_data_slot(ref):
             return ref
     return Ref(path=f'{symbol.instance}.{pin}', type=DataType.BOOL)
 

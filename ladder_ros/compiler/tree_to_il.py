@@ -12,9 +12,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ladder_ros.compiler.aov import Aov, SymbolVertex
-from ladder_ros.compiler.il import Call, Instruction, Network, Op, temporary
-from ladder_ros.compiler.symbols import Literal, Operand, Ref
+from ladder_ros.compiler.aov import Aov, NOT, SymbolVertex
+from ladder_ros.compiler.il import Call, Instruction, Network, Op
+from ladder_ros.compiler.symbols import (
+    OF_EXECUTE_BOXES,
+    OF_JUMPS,
+    Operand,
+    Ref,
+    temporary,
+    TRUE,
+)
 from ladder_ros.compiler.tree import (
     And,
     children,
@@ -47,13 +54,6 @@ from ladder_ros.nouns import maker
 _instruction = maker(Instruction)
 _network = maker(Network)
 _new_call = maker(Call)
-_EXECUTE = 200_000
-"""Temporaries of EXECUTE boxes count from here."""
-
-_JUMP = 300_000
-"""Temporaries that keep the power of jumps count from here."""
-
-_TRUE = Literal(value=True, type=DataType.BOOL)
 _SUFFIX = {
     ContactKind.NORMALLY_OPEN: '', ContactKind.NORMALLY_CLOSED: 'N', ContactKind.RISING: 'P',
     ContactKind.FALLING: 'F',
@@ -141,7 +141,7 @@ def _jump_instructions(symbol: SymbolVertex) -> list[Instruction]:
     """Jump at the end of a network, as the power that was kept says (IEC 61131-3, 8.1.4)."""
     assert isinstance(symbol.component, Jump)
     label = symbol.component.label
-    return [_instruction(op=Op.LD, operand=temporary(_JUMP + symbol.id)),
+    return [_instruction(op=Op.LD, operand=temporary(OF_JUMPS + symbol.id)),
             _instruction(op=Op.JMP if label else Op.RET, label=label)]
 
 
@@ -193,7 +193,7 @@ class _Lowering:
         single = _contact(tree, 'LD')
         if single is not None:
             return [single]
-        return [_instruction(op=Op.LD, operand=_TRUE), _Continue(tree)]
+        return [_instruction(op=Op.LD, operand=TRUE), _Continue(tree)]
 
     def _continue(self, tree: Tree) -> list[_Work]:
         if isinstance(tree, And):
@@ -275,7 +275,7 @@ def _transfer_instructions(
                             memory=symbol.memory, component=symbol.path)]
     if isinstance(component, Jump):
         return [_instruction(op=Op.STN if component.negated else Op.ST,
-                            operand=temporary(_JUMP + symbol.id), component=symbol.path)]
+                            operand=temporary(OF_JUMPS + symbol.id), component=symbol.path)]
     if isinstance(component, Instance):
         call = _new_call(name=component.composite, instance=symbol.instance,
                     inputs=symbol.resolved.inputs)
@@ -283,18 +283,17 @@ def _transfer_instructions(
         return [*_copies(symbol, power_pins),
                 _instruction(op=op, call=call, component=symbol.path)]
     assert isinstance(component, Block)
-    if component.type == '%NOT':
+    if component.type == NOT:
         return [_instruction(op=Op.NOT, component=symbol.path)]
     if component.statements:
         return _execute(symbol)
     kind = CATALOGUE[symbol.resolved.block or component.type.upper()]
     bound: dict[str, Operand] = dict(symbol.resolved.inputs)
     bound.update((pin, temporary(number)) for pin, number in power_pins)
-    known = [pin.name for pin in kind.inputs]
-    inputs = tuple((pin, bound[pin]) for pin in sorted(
-        bound, key=lambda pin: known.index(pin) if pin in known else _further(pin)))
+    inputs = tuple((pin, bound[pin]) for pin in sorted(bound, key=kind.input_rank))
     call = _new_call(name=kind.name, instance=symbol.instance, type=symbol.resolved.type,
                 inputs=inputs, outputs=symbol.resolved.outputs)
+    known = {pin.name for pin in kind.inputs}
     kept = [pin for pin in power_pins if pin[0] in known] if symbol.keeps_inputs else []
     return [*_copies(symbol, kept), _instruction(
         op=Op.FUN if kind.is_function else Op.CAL, call=call, component=symbol.path)]
@@ -310,13 +309,7 @@ def _copies(symbol: SymbolVertex, pins: Sequence[tuple[str, int]]) -> list[Instr
 
 def _execute(symbol: SymbolVertex) -> list[Instruction]:
     """Return the code of an EXECUTE box; the power that enters it leaves it too."""
-    power = temporary(_EXECUTE + symbol.id)
+    power = temporary(OF_EXECUTE_BOXES + symbol.id)
     return [_instruction(op=Op.ST, operand=power), _instruction(op=Op.IF), *symbol.body,
             _instruction(op=Op.FI),
             _instruction(op=Op.LD, operand=power, component=symbol.path)]
-
-
-def _further(pin: str) -> int:
-    """Rank the further inputs of an extensible function (IN3, IN4, ...) behind the others."""
-    digits = ''.join(character for character in pin if character.isdigit())
-    return 1000 + int(digits or 0)

@@ -13,29 +13,49 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
-from ladder_ros.compiler.symbols import pou_key, Scope, Symbols
+from ladder_ros.compiler.aov import Aov
+from ladder_ros.compiler.il import Network
+from ladder_ros.compiler.symbols import Scope, Symbols
 from ladder_ros.diagnostics import Location
-from ladder_ros.model.component import Argument, Block, Coil, Contact, Instance
-from ladder_ros.model.program import Composite, Parameter, Program, Rung, Variable
+from ladder_ros.model.component import arguments_of, Block, Coil, Contact, Instance
+from ladder_ros.model.program import Composite, Parameter, pou_key, Program, Rung, Variable
 
 _Declared = TypeVar('_Declared', Parameter, Variable)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Before:
-    """An earlier program, and what its names meant.
+    """An earlier program, what its names meant, and what was made of its rungs.
 
-    ``moved`` are rungs of it that stand elsewhere in the next program's file, by ``id`` of what
-    has taken their place there and differs in locations alone.
+    ``graphs`` and ``coded`` are by POU key, a rung each; about the drawings of the rungs that are
+    ``noted``, by ``id``, something was said.  ``moved`` are rungs of it that stand elsewhere in
+    the next program's file, by ``id`` of what has taken their place there and differs in locations
+    alone.
     """
 
     program: Program
     symbols: Symbols
+    graphs: Mapping[str, Sequence[Aov]]
+    coded: Mapping[str, Sequence[Network]]
+    noted: frozenset[int] = frozenset()
     moved: Mapping[int, Rung] = field(default_factory=dict)
 
     def rung(self, now: Rung) -> Rung:
         """Return what a rung of the next program was in this one, if it was there."""
         return self.moved.get(id(now), now)
+
+    def graphs_of(
+        self, same: Mapping[str, Mapping[int, int]],
+    ) -> dict[str, dict[int, Aov]]:
+        """Return the graphs of rungs by POU key and ``id``, but of those that are noted.
+
+        ``same`` gives their places in this program, as :func:`same_rungs` does.
+        """
+        rungs = {pou_key(pou): pou.rungs for pou in self.program.pous}
+        return {
+            key: {now: self.graphs[key][place] for now, place in places.items()
+                  if id(rungs[key][place]) not in self.noted}
+            for key, places in same.items()}
 
 
 def same_rungs(
@@ -105,20 +125,12 @@ def _names(rung: Rung) -> Iterator[str]:
     for component in rung.components:
         if isinstance(component, (Contact, Coil)):
             yield from _roots(component.operand)
-        elif isinstance(component, Block):
+        elif isinstance(component, (Block, Instance)):
+            type_ = component.type if isinstance(component, Block) else component.composite
             yield component.instance.casefold()
-            yield component.type.casefold()
-            yield from _arguments(component.inputs)
-            yield from _arguments(component.outputs)
-        elif isinstance(component, Instance):
-            yield component.instance.casefold()
-            yield component.composite.casefold()
-            yield from _arguments(component.arguments)
-
-
-def _arguments(arguments: tuple[Argument, ...]) -> Iterator[str]:
-    for argument in arguments:
-        yield from _roots(argument.operand)
+            yield type_.casefold()
+            for argument in arguments_of(component):
+                yield from _roots(argument.operand)
 
 
 def _roots(operand: str) -> Iterator[str]:

@@ -12,7 +12,7 @@ from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.resolve_rung import literal_type, suggestion
 from ladder_ros.compiler.st_calls import fresh_start, report_no_pin
 from ladder_ros.compiler.st_expressions import convert, lower_expression, lower_target, type_of
-from ladder_ros.compiler.symbols import data_slot, Literal, Operand, Ref, Resolved, Target
+from ladder_ros.compiler.symbols import data_slot, Literal, Operand, Ref, Resolved, Target, TRUE
 from ladder_ros.compiler.wires_to_order import Connections
 from ladder_ros.diagnostics import Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE, Generic
@@ -29,8 +29,6 @@ from ladder_ros.model.derived import elementary
 from ladder_ros.model.program import CallKind, Composite, Direction, Parameter, Port, Rung
 from ladder_ros.model.st import Expression, LiteralExpression, VariableExpression
 from ladder_ros.model.types import DataType, default_value
-
-TRUE = Literal(value=True, type=DataType.BOOL)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -417,7 +415,7 @@ class WiredBlocks:
             if value is not None:
                 inputs[pin.name] = value
         self._complete(block, callee, kind, inputs, {pin for pin, _ in powered})
-        ordered = sorted(inputs.items(), key=lambda item: _pin_rank(kind, item[0]))
+        ordered = sorted(inputs.items(), key=lambda item: kind.input_rank(item[0]))
         prelude += self._stores(callee, inputs, {pin for pin, _ in powered})
         return WiredCall(
             resolved=Resolved(inputs=tuple(ordered), type=generic, block=kind.name,
@@ -539,13 +537,3 @@ _WIDTHS: Mapping[DataType, int] = {type_: rank for rank, type_ in enumerate(Data
 
 def _width(type_: DataType) -> int:
     return _WIDTHS[type_]
-
-
-def _pin_rank(kind: BlockKind, name: str) -> tuple[int, int, str]:
-    """Order inputs as the catalogue has them; further ones (IN3, IN4 ...) by their number."""
-    names = [pin.name for pin in kind.inputs]
-    if name in names:
-        return names.index(name), 0, name
-    digits = ''.join(c for c in name if c.isdigit())
-    return len(names), int(digits or 0), name
-

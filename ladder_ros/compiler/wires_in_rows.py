@@ -15,7 +15,8 @@ from ladder_ros.compiler.wires_to_order import statements
 from ladder_ros.model.component import Component, Jump, Label
 from ladder_ros.model.program import Order, Rung
 
-_COLUMN, _ROW, _LEFT = 170, 50, 70
+COLUMN, ROW, LEFT = 170, 50, 70
+"""How far columns and rows of a page are apart, and where the first column is."""
 
 
 def in_rows(rung: Rung) -> Rung:
@@ -52,7 +53,7 @@ def in_rows(rung: Rung) -> Rung:
             one = by_id[name]
             columns[name] = 1 + max((columns.get(s, -1) for s in feeds.get(name, ())), default=-1)
             placed[name] = replace(one, placement=replace(
-                one.placement, x=_LEFT + columns[name] * _COLUMN, y=row))
-            row += max(_ROW, one.placement.height + 20)
+                one.placement, x=LEFT + columns[name] * COLUMN, y=row))
+            row += max(ROW, one.placement.height + 20)
     return replace(rung, order=Order.POSITION_ALL, components=tuple(
         placed[component.id] for component in rung.components))

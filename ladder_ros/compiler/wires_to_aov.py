@@ -13,7 +13,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
-from ladder_ros.compiler.aov import Aov, Arc, SymbolVertex, VirtualVertex
+from ladder_ros.compiler.aov import Aov, Arc, NOT, SymbolVertex, VirtualVertex
 from ladder_ros.compiler.il import Instruction
 from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.resolve_rung import suggestion
@@ -36,12 +36,10 @@ from ladder_ros.model.component import (
     OutVariable,
     PinEdge,
     PinModifier,
+    senses_edge,
 )
 from ladder_ros.model.program import Port, Rung
 from ladder_ros.model.types import DataType
-
-NOT = '%NOT'
-"""Type of the vertex that negates power at a pin."""
 
 
 def build_wired_aovs(rung: Rung, lowering: Lowering) -> tuple[Aov, ...]:
@@ -320,9 +318,7 @@ class _Builder:
         givers = [self._giver(port, owner) for port in sources]
         number = len(self.symbols)
         memory: Ref | None = None
-        if isinstance(component, (Contact, Coil)) and component.kind.value in (
-            'rising', 'falling',
-        ):
+        if isinstance(component, (Contact, Coil)) and senses_edge(component):
             memory = edge_memory(self.rung.id, component.id)
         self.symbols.append(SymbolVertex(
             id=number, path=component.id, component=component, resolved=resolved,

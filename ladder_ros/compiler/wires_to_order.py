@@ -29,11 +29,9 @@ from ladder_ros.model.component import (
     Jump,
     Label,
     OutVariable,
+    page_order,
 )
 from ladder_ros.model.program import Order, Port, Rung
-
-SAME_ROW = 10
-"""Positions that differ by less than this count as one row (as the editors' generators do)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -154,7 +152,7 @@ def _statements(rung: Rung, network_of: Mapping[str, str]) -> Sequence[Component
     if rung.order is Order.DOCUMENT:
         return listed
     if rung.order is not Order.DOCUMENT_KIND:
-        listed.sort(key=cmp_to_key(_compare))
+        listed.sort(key=cmp_to_key(page_order))
     by_kind = list(listed)
     if rung.order in (Order.POSITION_KIND, Order.DOCUMENT_KIND):
         by_kind.sort(key=lambda component: isinstance(component, (Block, Instance)))
@@ -199,11 +197,6 @@ def _precedes(network: Sequence[Component], label: Label) -> bool:
     middle = place.y + place.height / 2
     return (max(c.placement.y + c.placement.height for c in network) <= middle
             or max(c.placement.x + c.placement.width for c in network) <= place.x)
-
-
-def _compare(a: Component, b: Component) -> int:
-    rows = a.placement.y - b.placement.y
-    return rows if abs(rows) >= SAME_ROW else a.placement.x - b.placement.x
 
 
 @dataclass(slots=True, kw_only=True)

@@ -22,11 +22,10 @@ from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import (
     Block,
     Coil,
-    CoilKind,
     Component,
     Contact,
-    ContactKind,
     Instance,
+    senses_edge,
 )
 from ladder_ros.model.types import DataType
 from ladder_ros.nouns import maker
@@ -38,8 +37,6 @@ _ALIKE = 4096
 
 _DRAWINGS = 1024
 """So many drawings are known again, in whichever rung: most rungs are drawn like others."""
-
-_REMEMBER = (ContactKind.RISING, ContactKind.FALLING, CoilKind.RISING, CoilKind.FALLING)
 
 _Node = str | int
 """A part by its casefolded id, or a net by its number."""
@@ -178,7 +175,7 @@ class _Builder:
         component = part.component
         if isinstance(component, (Contact, Coil)):
             memory = None
-            if component.kind in _REMEMBER:
+            if senses_edge(component):
                 memory = edge_memory(self.wiring.rung.id, component.id)
             return _symbol_vertex(id=number, path=component.id, component=component,
                                 resolved=resolved, memory=memory)

@@ -52,23 +52,9 @@ def draw_rung(
 
     Raises LadderError L0620 where no drawing has the order of evaluation.
     """
-    return _draw(aov, rung_id, comment, columns, access_key)[0]
-
-
-def draw_aov(aov: Aov, *, columns: int = 0, access_key: AccessKey = by_path) -> Aov:
-    """Return a graph with the coordinates of its drawing: cells, and where vertical lines are.
-
-    Raises LadderError L0620 where no drawing has the order of evaluation.
-    """
-    return _draw(aov, aov.rung, aov.comment, columns, access_key)[1]
-
-
-def _draw(
-    aov: Aov, rung_id: str, comment: str, columns: int, access_key: AccessKey,
-) -> tuple[Rung, Aov]:
     aov = with_drawable_components(aov)
     for placings in (_close(aov, columns), _loose(aov, columns)):
-        best: tuple[int, Rung, Aov] | None = None
+        best: tuple[int, Rung] | None = None
         for placing in placings:
             rung = Rung(id=rung_id, width=placing.width, comment=comment,
                         components=tuple(_Drawing(placing=placing).components()))
@@ -77,11 +63,11 @@ def _draw(
                 continue
             count = crossings(placing)
             if best is None or count < best[0]:
-                best = count, rung, again
+                best = count, rung
             if count == 0:
                 break
         if best is not None:
-            return best[1], best[2]
+            return best[1]
     raise LadderError.of('L0620', aov.symbols[0].component.location, rung=rung_id)
 
 

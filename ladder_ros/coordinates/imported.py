@@ -15,15 +15,15 @@ from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from ladder_ros.compiler.access_keys import access_key, AccessKey
-from ladder_ros.compiler.aov import Aov, Arc, reads_and_writes, SymbolVertex, VirtualVertex
+from ladder_ros.compiler.aov import Aov, Arc, NOT, reads_and_writes, SymbolVertex, VirtualVertex
 from ladder_ros.compiler.imported import lowering_of
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
-from ladder_ros.compiler.pipeline import completed
-from ladder_ros.compiler.symbols import author_path, Operand, pou_key, Ref, Symbols
-from ladder_ros.compiler.wires_to_aov import build_wired_aovs, NOT
+from ladder_ros.compiler.stages import completed
+from ladder_ros.compiler.symbols import author_path, Operand, Ref, Symbols
+from ladder_ros.compiler.wires_to_aov import build_wired_aovs
 from ladder_ros.compiler.wiring import Rail
 from ladder_ros.coordinates.aov_to_rung import draw_rung
-from ladder_ros.diagnostics import has_errors, LadderError, Severity
+from ladder_ros.diagnostics import raise_errors, Severity
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import (
     Argument,
@@ -35,7 +35,7 @@ from ladder_ros.model.component import (
     InVariable,
     OutVariable,
 )
-from ladder_ros.model.program import Body, Composite, Pou, Program, Rung, Wire
+from ladder_ros.model.program import Body, Composite, Pou, pou_key, Program, Rung, Wire
 
 BOX_WIDTH = 2
 """Columns of a block: two contacts above or below it have their places."""
@@ -58,8 +58,7 @@ def with_drawings(program: Program) -> Program:
     # A stand-in is drawn as the block that it stands for, and is not listed.
     complete = completed(program, stubs=True)
     symbols, found = resolve_symbols(complete)
-    if has_errors(found):
-        raise LadderError(found)
+    raise_errors(found)
     standing = {pou_key(pou): pou for pou in complete.pous}
     program = completed(program)
     return replace(

@@ -12,7 +12,14 @@ from ladder_ros.drawing.glyphs import Glyphs
 from ladder_ros.drawing.joints import find_joints, Joints, lines_of, rows_of
 from ladder_ros.drawing.layout import Grid, grid_of, lay_out, Layout
 from ladder_ros.drawing.shapes import Box, Facts, NO_FACTS, Shape, shape_of, ShapeContext, Symbol
-from ladder_ros.model.component import Argument, Block, Coil, Component, Contact, Instance
+from ladder_ros.model.component import (
+    arguments_of,
+    Block,
+    Coil,
+    Component,
+    Contact,
+    Instance,
+)
 from ladder_ros.model.program import Composite, Pou, Program, Rung
 
 MAX_CELLS = 200_000
@@ -48,7 +55,7 @@ def make_sketch(
         glyphs=glyphs, composites=composites, facts=facts,
         referenced=frozenset(argument.source.partition('.')[0].casefold()
                              for component in rung.components
-                             for argument in _arguments(component) if argument.source))
+                             for argument in arguments_of(component) if argument.source))
     taken: dict[tuple[int, int], Component] = {}
     shapes: list[tuple[Component, Shape | None]] = []
     notes = []
@@ -121,16 +128,6 @@ def _obstacle(
     return ''
 
 
-def _arguments(component: Component) -> tuple[Argument, ...]:
-    match component:
-        case Block():
-            return component.inputs + component.outputs
-        case Instance():
-            return component.arguments
-        case _:
-            return ()
-
-
 def _texts(component: Component) -> Iterator[tuple[str, str]]:
     """Yield (what it is, text) for each text of a component that a picture should show."""
     match component:
@@ -144,7 +141,7 @@ def _texts(component: Component) -> Iterator[tuple[str, str]]:
             yield 'instance', component.instance
         case _:
             pass
-    for argument in _arguments(component):
+    for argument in arguments_of(component):
         shown = argument.operand or argument.source
         yield argument.pin, f'row {argument.row}' if argument.row is not None else shown
 

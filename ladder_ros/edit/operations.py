@@ -10,7 +10,6 @@ other rungs stay as they are.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from typing_extensions import assert_never
@@ -19,10 +18,9 @@ from ladder_ros.compiler.access_keys import access_key
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
 from ladder_ros.compiler.resolve_rung import suggestion
-from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.coordinates.aov_to_rung import draw_rung
-from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError
+from ladder_ros.diagnostics import LadderError, raise_errors
 from ladder_ros.edit.edits import (
     AddOutput,
     AddParallel,
@@ -60,7 +58,15 @@ from ladder_ros.model.component import (
     Instance,
     Row,
 )
-from ladder_ros.model.program import Body, CallKind, Composite, Pou, Program, Rung
+from ladder_ros.model.program import (
+    Composite,
+    is_inline,
+    Pou,
+    pou_key,
+    Program,
+    Rung,
+    with_pou,
+)
 
 COLUMNS = 11
 """How wide a rung may become (paper 3: eleven columns, the last one for outputs and blocks)."""
@@ -98,17 +104,17 @@ def apply_edit(program: Program, edit: Edit, *, columns: int = COLUMNS) -> Edite
                 raise LadderError.of('L0624', rung.location, name=f'rung {rung.id}',
                                      reason=f'it is the only one of {pou.name}')
             rungs = tuple(r for r in pou.rungs if r is not rung)
-            return _checked(program, pou, replace(pou, rungs=rungs), Place(pou=pou.name))
+            return _checked(program, replace(pou, rungs=rungs), Place(pou=pou.name))
         case MoveRung():
             rung = _rung(pou, edit.rung)
             rungs = moved(pou.rungs, rung, _before(pou, edit.before))
-            return _checked(program, pou, replace(pou, rungs=rungs),
+            return _checked(program, replace(pou, rungs=rungs),
                             Place(pou=pou.name, rung=rung.id))
         case CopyRung():
             rung = _rung(pou, edit.rung)
             new = replace(copied(rung, pou), id=_rung_id(pou, edit.copy, rung))
             rungs = moved((*pou.rungs, new), new, _before(pou, edit.before))
-            return _checked(program, pou, replace(pou, rungs=rungs),
+            return _checked(program, replace(pou, rungs=rungs),
                             Place(pou=pou.name, rung=new.id))
         case AddSeries() | AddParallel() | AddOutput() | Delete() | Set():
             return _RungEditor(program=program, pou=pou, rung=_rung(pou, edit.rung),
@@ -155,32 +161,16 @@ def _rung_id(pou: Pou, wanted: str, like: Rung | None) -> str:
     return free_name('' if like is None or like.id.isdigit() else f'{like.id}_', taken)
 
 
-def _with_pou(program: Program, old: Pou, new: Pou) -> Program:
-    if isinstance(new, Body):
-        return replace(program, bodies=tuple(new if b is old else b for b in program.bodies))
-    return replace(program, composites=tuple(
-        new if c is old else c for c in program.composites))
-
-
-def _checked(program: Program, old: Pou, new: Pou, place: Place) -> Edited:
+def _checked(program: Program, pou: Pou, place: Place) -> Edited:
     """Return the changed program if all its names still mean something."""
-    changed = _with_pou(program, old, new)
-    _raise_errors(resolve_symbols(changed)[1])
+    changed = with_pou(program, pou)
+    raise_errors(resolve_symbols(changed)[1])
     return Edited(program=changed, place=place)
 
 
 def _with_rung(program: Program, pou: Pou, old: Rung, new: Rung) -> Edited:
     rungs = tuple(new if rung is old else rung for rung in pou.rungs)
-    return _checked(program, pou, replace(pou, rungs=rungs), Place(pou=pou.name, rung=new.id))
-
-
-def _raise_errors(found: Sequence[Diagnostic]) -> None:
-    if has_errors(found):
-        raise LadderError(found)
-
-
-def _ends_in_output(pou: Pou) -> bool:
-    return isinstance(pou, Body) or pou.call is not CallKind.INLINE
+    return _checked(program, replace(pou, rungs=rungs), Place(pou=pou.name, rung=new.id))
 
 
 def _is_output(component: Component) -> bool:
@@ -196,7 +186,7 @@ def _parameters(program: Program, part: Part) -> int:
 
 def _new_rung(program: Program, pou: Pou, edit: NewRung) -> Edited:
     component = made_component(edit.part, (), pou.location, _parameters(program, edit.part))
-    if not _is_output(component) and _ends_in_output(pou):
+    if not _is_output(component) and not is_inline(pou):
         raise LadderError.of('L0623', pou.location, name=component.id, reason=(
             'a new rung begins with its output'), remedy='give it a coil or a block')
     id = _rung_id(pou, edit.rung, None)
@@ -206,7 +196,7 @@ def _new_rung(program: Program, pou: Pou, edit: NewRung) -> Edited:
     rung = Rung(id=id, width=component.placement.width, components=(component,),
                 comment=checked_text(edit.comment, place), location=place)
     rungs = moved((*pou.rungs, rung), rung, _before(pou, edit.before))
-    return _checked(program, pou, replace(pou, rungs=rungs),
+    return _checked(program, replace(pou, rungs=rungs),
                     Place(pou=pou.name, rung=id, component=component.id))
 
 
@@ -242,7 +232,7 @@ class _RungEditor:
         self._check_ends(sketch, last, edit)
         return self._drawn(sketch, name)
 
-    def report(
+    def refusal(
         self, code: str, component: Component | None = None, **facts: object,
     ) -> LadderError:
         place = component.location if component is not None else self.rung.location
@@ -252,12 +242,12 @@ class _RungEditor:
 
     def _sketch(self) -> Sketch:
         symbols, found = resolve_symbols(self.program)
-        _raise_errors(found)
+        raise_errors(found)
         wiring, found = analyse_connections(
-            self.rung, ends_in_output=_ends_in_output(self.pou))
-        _raise_errors(found)
+            self.rung, ends_in_output=not is_inline(self.pou))
+        raise_errors(found)
         aov, found = build_aov(wiring, symbols.of_rung(pou_key(self.pou), self.rung.id))
-        _raise_errors(found)
+        raise_errors(found)
         return Sketch.of(aov)
 
     def _drawn(self, sketch: Sketch, name: str) -> Edited:
@@ -270,20 +260,20 @@ class _RungEditor:
         listed = replace(self.rung, components=components)
         pou = replace(self.pou, rungs=tuple(
             listed if rung is self.rung else rung for rung in self.pou.rungs))
-        program = _with_pou(self.program, self.pou, pou)
+        program = with_pou(self.program, pou)
         symbols, found = resolve_symbols(program)
-        _raise_errors(found)
+        raise_errors(found)
         aov = sketch.to_aov(self.rung.id, self.rung.comment,
                             symbols.of_rung(pou_key(pou), self.rung.id))
         drawn = draw_rung(aov, rung_id=self.rung.id, comment=self.rung.comment,
                           access_key=access_key(program, pou))
         if drawn.width > max(self.columns, self.rung.width):
-            raise self.report('L0622', rung=self.rung.id, width=drawn.width, limit=self.columns)
+            raise self.refusal('L0622', rung=self.rung.id, width=drawn.width, limit=self.columns)
         rung = replace(drawn, location=self.rung.location)
-        found = analyse_connections(rung, ends_in_output=_ends_in_output(self.pou))[1]
-        _raise_errors(found)
+        found = analyse_connections(rung, ends_in_output=not is_inline(self.pou))[1]
+        raise_errors(found)
         rungs = tuple(rung if one is listed else one for one in pou.rungs)
-        return Edited(program=_with_pou(program, pou, replace(pou, rungs=rungs)),
+        return Edited(program=with_pou(program, replace(pou, rungs=rungs)),
                       place=Place(pou=pou.name, rung=rung.id, component=name))
 
     # -- operations -------------------------------------------------------------------------------
@@ -297,7 +287,7 @@ class _RungEditor:
             if component.id.casefold() == id.casefold():
                 return vertex
         known = [component.id for component in sketch.components.values()]
-        raise self.report('L0621', what=f'component in rung {self.rung.id}:', name=id,
+        raise self.refusal('L0621', what=f'component in rung {self.rung.id}:', name=id,
                           known=', '.join(known), hint=suggestion(id, known))
 
     def _add_series(self, sketch: Sketch, edit: AddSeries, component: Component) -> int:
@@ -315,7 +305,7 @@ class _RungEditor:
         if not edit.joint:
             return sketch.insert_into(link, component, place)
         if line >= 0 or line == RIGHT:
-            raise self.report('L0625', sketch.components[target], reason=(
+            raise self.refusal('L0625', sketch.components[target], reason=(
                 f'no vertical line is {edit.where.value} {id}'), expected='leave out joint')
         return sketch.insert_into_line(line, component)
 
@@ -325,8 +315,9 @@ class _RungEditor:
         kind = CATALOGUE.get(block.type.upper()) if isinstance(block, Block) else None
         pin = kind.input(name) if kind else None
         if kind is None or pin is None or not isinstance(block, Block):
-            raise self.report('L0621', block, what=f'power pin of {block.id}:', name=name, hint='',
-                              known=', '.join(p.name for p in kind.inputs) if kind else 'none')
+            raise self.refusal('L0621', block, what=f'power pin of {block.id}:', name=name,
+                               hint='', known=', '.join(
+                                   p.name for p in kind.inputs) if kind else 'none')
         place = sketch.order.index(target)
         if pin.name == kind.power_input:
             return sketch.insert_into(sketch.into(target)[0], component, place)
@@ -342,11 +333,11 @@ class _RungEditor:
         first = self._find(sketch, edit.target)
         last = self._find(sketch, edit.until) if edit.until else first
         if last not in sketch.reached_from([first]):
-            raise self.report('L0625', sketch.components[first], reason=(
+            raise self.refusal('L0625', sketch.components[first], reason=(
                 f'power does not lead from {edit.target} to {edit.until}'),
                 expected='name the first and the last component of a span of power')
         if any(link.target_pin for link in sketch.out_of(last)):
-            raise self.report('L0625', sketch.components[last], reason=(
+            raise self.refusal('L0625', sketch.components[last], reason=(
                 f'{sketch.components[last].id} leads to a pin of a block'),
                 expected='add it in series, or in parallel to less')
         return sketch.insert_beside(first, last, component)
@@ -354,7 +345,7 @@ class _RungEditor:
     def _add_output(self, sketch: Sketch, edit: AddOutput, component: Component) -> int:
         target = self._find(sketch, edit.target)
         if not _is_output(component):
-            raise self.report('L0623', sketch.components[target], name=component.id, reason=(
+            raise self.refusal('L0623', sketch.components[target], name=component.id, reason=(
                 'a branch to the right rail ends in an output'),
                 remedy='give it a coil or a block; then add contacts before it')
         behind = sketch.out_of(target)[0].target
@@ -368,10 +359,10 @@ class _RungEditor:
         target = self._find(sketch, edit.target)
         component = sketch.components[target]
         for pin in sketch.power_pins(target):
-            raise self.report('L0624', component, name=component.id, reason=(
+            raise self.refusal('L0624', component, name=component.id, reason=(
                 f'power is led to or from its pin {pin}: delete that first'))
         sketch.remove(target)
-        if _ends_in_output(self.pou):
+        if not is_inline(self.pou):
             sketch.drop_idle_lines()
 
     def _set(self, edit: Set) -> Edited:
@@ -379,7 +370,7 @@ class _RungEditor:
         component = known.get(edit.target.casefold())
         if component is None or isinstance(component, (Row, Column)):
             names = [c.id for c in self.rung.components if not isinstance(c, (Row, Column))]
-            raise self.report('L0621', what=f'component in rung {self.rung.id}:',
+            raise self.refusal('L0621', what=f'component in rung {self.rung.id}:',
                               name=edit.target, known=', '.join(names),
                               hint=suggestion(edit.target, names))
         new = changed_component(component, edit, component.location)
@@ -397,18 +388,18 @@ class _RungEditor:
             return
         behind = sketch.out_of(vertex)[0].target
         if behind != RIGHT and not isinstance(sketch.components.get(behind), Coil):
-            raise self.report('L0623', name=component.id, reason=(
+            raise self.refusal('L0623', name=component.id, reason=(
                 'a coil stands at the right rail'), remedy='add an output branch for it')
 
     def _check_ends(
         self, sketch: Sketch, last: set[int], edit: AddSeries | AddParallel | AddOutput | Delete,
     ) -> None:
         """Refuse a rung without an output, and a branch that ends in a contact."""
-        if not _ends_in_output(self.pou):
+        if is_inline(self.pou):
             if not sketch.components:
-                raise self.report('L0624', name=edit.target, reason='the rung would be empty')
+                raise self.refusal('L0624', name=edit.target, reason='the rung would be empty')
             if sketch.is_shorted:
-                raise self.report('L0624', name=edit.target, reason=(
+                raise self.refusal('L0624', name=edit.target, reason=(
                     'lines alone would join the rails'))
             return
         for vertex in sketch.last_components():
@@ -416,11 +407,11 @@ class _RungEditor:
             if _is_output(component) or (vertex in last and isinstance(component, Contact)):
                 continue
             if isinstance(edit, Delete):
-                raise self.report('L0624', component, name=edit.target, reason=(
+                raise self.refusal('L0624', component, name=edit.target, reason=(
                     f'the branch would end in {component.id} without an output: '
                     'delete what leads to the output first'))
-            raise self.report('L0623', component, name=component.id, reason=(
+            raise self.refusal('L0623', component, name=component.id, reason=(
                 'a branch ends in an output'), remedy='put it before the output')
         if not any(_is_output(component) for component in sketch.components.values()):
-            raise self.report('L0624', name=edit.target,
+            raise self.refusal('L0624', name=edit.target,
                               reason='it is the only output: delete the rung')

@@ -4,18 +4,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from ladder_ros.edit.parts import free_name
 from ladder_ros.model.component import (
-    Argument,
     Block,
-    Coil,
-    Component,
-    Contact,
     Instance,
 )
+from ladder_ros.model.places import renamed, with_names, without_history
 from ladder_ros.model.program import Pou, Rung
 
 
@@ -39,27 +36,6 @@ def copied(rung: Rung, pou: Pou) -> Rung:
             if key not in names:
                 names[key] = free_name(f'{component.instance}_', taken)
                 taken.append(names[key])
-    return replace(rung, components=tuple(_copy(c, names) for c in rung.components))
-
-
-def _copy(component: Component, names: Mapping[str, str]) -> Component:
-    def renamed(operand: str) -> str:
-        instance, dot, member = operand.partition('.')
-        return f'{names[instance.casefold()]}{dot}{member}' \
-            if dot and instance.casefold() in names else operand
-
-    def argument(old: Argument) -> Argument:
-        return replace(old, operand=renamed(old.operand))
-
-    if isinstance(component, (Contact, Coil)):
-        return replace(component, operand=renamed(component.operand), was=())
-    if isinstance(component, Block):
-        return replace(
-            component, instance=names.get(component.instance.casefold(), ''), was=(),
-            inputs=tuple(argument(a) for a in component.inputs),
-            outputs=tuple(argument(a) for a in component.outputs))
-    if isinstance(component, Instance):
-        return replace(
-            component, instance=names[component.instance.casefold()], was=(),
-            arguments=tuple(argument(a) for a in component.arguments))
-    return component
+    return replace(rung, components=tuple(
+        without_history(renamed(component, lambda text: with_names(text, names)))
+        for component in rung.components))

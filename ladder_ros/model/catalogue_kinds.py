@@ -137,6 +137,21 @@ class BlockKind:
         found = (self._repeated(f'{stem}{number}') for number in range(last + 1, most + 1))
         return self.inputs + tuple(pin for pin in found if pin is not None)
 
+    def data_input(self, place: int) -> Pin | None:
+        """Return the input that takes a call's argument at a place (from 0), EN not counted."""
+        pins = self.data_inputs
+        if place < len(pins):
+            return pins[place]
+        if not self.extensible:
+            return None
+        stem, last = _numbered(pins[-1].name)
+        return self._repeated(f'{stem}{last + 1 + place - len(pins)}')
+
+    def input_rank(self, name: str) -> tuple[int, int]:
+        """Return what sorts the names of inputs as they are drawn, repeated ones last."""
+        names = [pin.name for pin in self.inputs]
+        return (names.index(name), 0) if name in names else (len(names), _numbered(name)[1])
+
     def _repeated(self, name: str) -> Pin | None:
         if not self.extensible:
             return None
@@ -174,5 +189,6 @@ def _find(pins: tuple[Pin, ...], name: str) -> Pin | None:
 
 
 def _numbered(name: str) -> tuple[str, int]:
+    """Return a name without its number, and the number; 0 if it has none."""
     stem = name.rstrip('0123456789')
-    return stem, int(name[len(stem):])
+    return stem, int(name[len(stem):] or 0)

@@ -286,6 +286,31 @@ Component = (
     Contact | Coil | Row | Column | Block | Instance | InVariable | OutVariable | Jump | Label)
 
 
+SAME_ROW = 10
+"""Positions on a page that differ by less are of one row, as other editors see it."""
+
+
+def page_order(first: Component, second: Component) -> int:
+    """Compare components by their positions on a page: row by row, from left to right."""
+    a, b = first.placement, second.placement
+    return a.x - b.x if abs(a.y - b.y) < SAME_ROW else a.y - b.y
+
+
+def arguments_of(component: Component) -> tuple[Argument, ...]:
+    """Return what is connected to the pins of a block, or to the parameters of an instance."""
+    if isinstance(component, Block):
+        return component.inputs + component.outputs
+    return component.arguments if isinstance(component, Instance) else ()
+
+
+_EDGES = (ContactKind.RISING, ContactKind.FALLING, CoilKind.RISING, CoilKind.FALLING)
+
+
+def senses_edge(component: Contact | Coil) -> bool:
+    """Say whether a contact or coil finds edges, for which it remembers the last value."""
+    return component.kind in _EDGES
+
+
 def power_pins(component: Component) -> Iterator[tuple[bool, Argument]]:
     """Yield the further pins that take or give power: whether it enters there, and the pin."""
     if isinstance(component, Block):

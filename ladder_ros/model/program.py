@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from enum import Enum
 
 from ladder_ros.diagnostics import Diagnostic, Location
@@ -102,7 +102,7 @@ class Wire:
 
 
 class Order(Enum):
-    """In which order the statements of an imported drawing are evaluated (DESIGN section 3).
+    """In which order the statements of an imported drawing are evaluated (docs/pipeline.md).
 
     POSITION_ALL: one list of coils, outVariables and blocks by position.  POSITION_KIND: coils and
     outVariables by position, then the blocks that were not reached.  DOCUMENT: as in the file.
@@ -253,6 +253,47 @@ Pou = Body | Composite
 """A program organisation unit: a program body or a composite's definition."""
 
 
+def with_pou(program: Program, pou: Pou) -> Program:
+    """Return the program with a POU in the place of the one of its key."""
+    key = pou_key(pou)
+    if isinstance(pou, Body):
+        return replace(program, bodies=tuple(
+            pou if pou_key(body) == key else body for body in program.bodies))
+    return replace(program, composites=tuple(
+        pou if pou_key(composite) == key else composite for composite in program.composites))
+
+
+def with_rungs(program: Program, rungs: Callable[[Pou], tuple[Rung, ...]]) -> Program:
+    """Return the program with the rungs of each POU as a function says."""
+    return replace(
+        program,
+        composites=tuple(replace(one, rungs=rungs(one)) for one in program.composites),
+        bodies=tuple(replace(one, rungs=rungs(one)) for one in program.bodies))
+
+
+def is_inline(pou: Pou) -> bool:
+    """Say whether a POU is evaluated as if drawn in place: power passes from end to end."""
+    return isinstance(pou, Composite) and pou.call is CallKind.INLINE
+
+
+_BODY, _COMPOSITE = 'body ', 'composite '
+
+
 def pou_key(pou: Pou) -> str:
     """Return the key of a POU among all of a program: a body and a composite may share a name."""
-    return f'{"body" if isinstance(pou, Body) else "composite"} {pou.name.casefold()}'
+    return _BODY + pou.name.casefold() if isinstance(pou, Body) else composite_key(pou.name)
+
+
+def composite_key(name: str) -> str:
+    """Return the key of the composite of a name."""
+    return _COMPOSITE + name.casefold()
+
+
+def is_body_key(key: str) -> bool:
+    """Say whether a key is that of a body."""
+    return key.startswith(_BODY)
+
+
+def name_of_key(key: str) -> str:
+    """Return the casefolded name of the POU of a key."""
+    return key.partition(' ')[2]

@@ -7,7 +7,8 @@ Operands of imported drawings are expressions too (``A AND B``, ``level[i].high`
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass
 
 from ladder_ros.diagnostics import Location
 
@@ -178,3 +179,27 @@ class ReturnStatement:
 Statement = (
     Assignment | CallStatement | IfStatement | CaseStatement | ForStatement | WhileStatement
     | RepeatStatement | ExitStatement | ContinueStatement | ReturnStatement)
+
+
+def called_names(root: object) -> Iterator[str]:
+    """Yield the casefolded name of each function or instance that something calls.
+
+    It may be an expression, a statement, or a tuple of such.
+    """
+    for part in _parts(root):
+        if isinstance(part, CallExpression):
+            yield part.name.casefold()
+        elif isinstance(part, CallStatement):
+            yield part.target.name.casefold()
+
+
+def _parts(root: object) -> Iterator[object]:
+    """Yield all that expressions and statements are made of; long chains are not recursed into."""
+    pending = [root]
+    while pending:
+        part = pending.pop()
+        if isinstance(part, tuple):
+            pending += part
+        elif is_dataclass(part) and not isinstance(part, Location):
+            yield part
+            pending += (getattr(part, field.name) for field in fields(part))

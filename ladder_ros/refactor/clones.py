@@ -16,7 +16,7 @@ from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 
 from ladder_ros.diagnostics import LadderError
-from ladder_ros.model.program import Program
+from ladder_ros.model.program import name_of_key, Program
 from ladder_ros.refactor.fit import Fit, fit, Fragment, Role, Scopes
 from ladder_ros.refactor.fragments import shape_program, Shapes
 from ladder_ros.refactor.metrics import Counts
@@ -58,7 +58,7 @@ class Repeat:
         roles = [slot.role for slot in self.fit.slots]
         return {
             'occurrences': [
-                {'pou': found.pou.partition(' ')[2], 'rungs': list(found.rungs),
+                {'pou': name_of_key(found.pou), 'rungs': list(found.rungs),
                  **({'components': list(found.components)} if found.components else {})}
                 for found in self.occurrences],
             'parameters': roles.count(Role.PARAMETER),

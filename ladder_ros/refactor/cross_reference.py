@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 
 from ladder_ros.model.component import Block
+from ladder_ros.model.places import directions, places
 from ladder_ros.model.program import Composite, Pou, pou_key, Program
 from ladder_ros.model.references import Access, References, Use
 from ladder_ros.model.st import (
@@ -19,7 +20,6 @@ from ladder_ros.model.st import (
     ForStatement,
     VariableExpression,
 )
-from ladder_ros.refactor.places import directions, places
 
 
 def cross_reference(program: Program) -> References:

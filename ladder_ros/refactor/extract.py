@@ -13,28 +13,36 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ladder_ros.compiler.aov import Aov
-from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.component import (
     Argument,
     Block,
     Coil,
-    Component,
     Contact,
     Instance,
     Placement,
+    senses_edge,
 )
 from ladder_ros.model.names import why_illegal
+from ladder_ros.model.places import (
+    base,
+    edge_place,
+    is_literal,
+    names_in,
+    renamed,
+    without_history,
+)
 from ladder_ros.model.program import (
-    Body,
     CallKind,
     Composite,
     Parameter,
     Pou,
+    pou_key,
     Program,
     Rung,
     Variable,
+    with_pou,
 )
 from ladder_ros.model.references import Access
 from ladder_ros.refactor.fit import (
@@ -56,14 +64,6 @@ from ladder_ros.refactor.naming import (
     unique_name,
 )
 from ladder_ros.refactor.parts import box_symbol, cut
-from ladder_ros.refactor.places import (
-    base,
-    is_literal,
-    names_in,
-    remembers,
-    renamed,
-    with_rungs,
-)
 from ladder_ros.refactor.shapes import Analysis
 
 _FALLBACK = {Access.READ: 'In', Access.WRITE: 'Out', Access.BOTH: 'InOut', Access.STATE: 'State'}
@@ -136,7 +136,7 @@ class _Extraction:
         for (key, rung), graph in self.graphs.items():
             pou = find_pou(program, key)
             drawn = self._drawn(graph, key, rung, graph.comment)
-            program = with_pou(program, with_rungs(pou, tuple(
+            program = with_pou(program, replace(pou, rungs=tuple(
                 replace(drawn, location=old.location) if old.id == rung else old
                 for old in pou.rungs)))
         return _without(
@@ -189,7 +189,7 @@ class _Extraction:
             yield replace(
                 rung, id=str(number + 1), comment=common_comment(comments),
                 components=tuple(
-                    _forgetful(renamed(component, lambda text: names.get(text, text)))
+                    without_history(renamed(component, lambda text: names.get(text, text)))
                     for component in rung.components))
 
     def _inner(self, index: int) -> str:
@@ -216,8 +216,8 @@ class _Extraction:
         rung = Rung(id=old[0].id, width=1, components=(box,), comment=comment,
                     location=old[0].location)
         first = pou.rungs.index(old[0])
-        return with_pou(program, with_rungs(
-            pou, (*pou.rungs[:first], rung, *pou.rungs[first + len(old):])))
+        return with_pou(program, replace(
+            pou, rungs=(*pou.rungs[:first], rung, *pou.rungs[first + len(old):])))
 
     def _put_into(self, fragment: Fragment, rung: Rung, box: Instance) -> None:
         """Put an instance in the place of part of a rung's graph."""
@@ -269,12 +269,11 @@ class _Extraction:
                     yield f'{name}.{member}={path}' if sign else f'{name}={entry}'
         there = {(rung.id, component.id): component
                  for rung in rungs for component in rung.components}
-        start = f'{pou.name}/' if isinstance(pou, Body) else ''
         inner = {rung: str(index + 1) for index, rung in enumerate(self.fit.fragments[0].rungs)}
         for place, own in zip(self.fit.fragments[0].order, fragment.order, strict=True):
             component = there[own]
-            if isinstance(component, (Contact, Coil)) and remembers(component):
-                for path in (f'{start}{own[0]}/{own[1]}', *component.was):
+            if isinstance(component, (Contact, Coil)) and senses_edge(component):
+                for path in (edge_place(pou, *own), *component.was):
                     yield f'{inner[place[0]]}/{place[1]}={path}'
 
     def _moved(self) -> set[tuple[str, str]]:
@@ -283,16 +282,6 @@ class _Extraction:
             (scope_of(fragment.pou), text.casefold())
             for slot in self.fit.slots if slot.role is Role.INTERNAL
             for fragment, text in zip(self.fit.fragments, slot.texts, strict=True)}
-
-
-def with_pou(program: Program, pou: Pou) -> Program:
-    """Return the program with a POU in the place of the one of the same name."""
-    key = pou_key(pou)
-    if isinstance(pou, Body):
-        return replace(program, bodies=tuple(
-            pou if pou_key(body) == key else body for body in program.bodies))
-    return replace(program, composites=tuple(
-        pou if pou_key(composite) == key else composite for composite in program.composites))
 
 
 def _without(program: Program, names: set[tuple[str, str]]) -> Program:
@@ -318,10 +307,3 @@ def _was_of(rungs: Sequence[Rung], instance: str) -> tuple[str, ...]:
     return next((component.was for rung in rungs for component in rung.components
                  if isinstance(component, (Block, Instance)) and component.instance == instance),
                 ())
-
-
-def _forgetful(component: Component) -> Component:
-    """Return a member without where its state was: that is the instance's to say."""
-    if isinstance(component, (Contact, Coil, Block, Instance)):
-        return replace(component, was=())
-    return component

@@ -18,12 +18,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 
-from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.diagnostics import Location
+from ladder_ros.model.places import names_in
 from ladder_ros.model.program import (
     Body,
     Direction,
+    is_body_key,
+    name_of_key,
     Pou,
+    pou_key,
     Program,
     Rung,
     Variable,
@@ -32,7 +35,6 @@ from ladder_ros.model.program import (
 from ladder_ros.model.references import Access
 from ladder_ros.model.types import DataType
 from ladder_ros.refactor.metrics import Counts
-from ladder_ros.refactor.places import names_in
 from ladder_ros.refactor.shapes import Spot
 
 
@@ -68,7 +70,7 @@ class Fragment:
         return scopes.uses(self.pou, name) == self.inside[name]
 
     def __str__(self) -> str:
-        name = self.pou.partition(' ')[2]
+        name = name_of_key(self.pou)
         if self.components:
             return f'{name} rung {self.rungs[0]}: {" ".join(self.components)}'
         if len(self.rungs) == 1:
@@ -226,7 +228,7 @@ def _role(fragments: Sequence[Fragment], spots: Sequence[Spot], scopes: Scopes) 
 
 def scope_of(pou: str) -> str:
     """Return whose names a POU sees: a composite its own, all bodies the program's."""
-    return pou if pou.startswith('composite') else ''
+    return '' if is_body_key(pou) else pou
 
 
 def _access(found: Sequence[Access]) -> Access:

@@ -7,8 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from ladder_ros.compiler.symbols import pou_key
-from ladder_ros.model.program import Pou, Program
+from ladder_ros.model.program import Pou, pou_key, Program
 from ladder_ros.refactor.fit import Fragment
 from ladder_ros.refactor.metrics import count, Counts
 from ladder_ros.refactor.parts import cut

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 
 from ladder_ros.compiler.aov import Aov, SymbolVertex
 from ladder_ros.compiler.inline_composites import expand_inline
-from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.coordinates.drawable import with_drawable_components
 from ladder_ros.diagnostics import LadderError
@@ -26,21 +25,24 @@ from ladder_ros.model.component import (
     Contact,
     Instance,
     Row,
+    senses_edge,
 )
 from ladder_ros.model.derived import initial_text
 from ladder_ros.model.names import why_illegal
+from ladder_ros.model.places import renamed, with_names
 from ladder_ros.model.program import (
     Body,
     CallKind,
     Composite,
     Pou,
+    pou_key,
     Program,
     Rung,
     Variable,
+    with_pou,
 )
-from ladder_ros.refactor.extract import names_seen, with_pou
+from ladder_ros.refactor.extract import names_seen
 from ladder_ros.refactor.naming import unique, unique_name
-from ladder_ros.refactor.places import remembers, renamed, with_names, with_rungs
 from ladder_ros.refactor.select import require_composite
 from ladder_ros.refactor.shapes import analyse_program, Analysis
 
@@ -107,7 +109,8 @@ def _inlined(program: Program, use: _Use) -> Program:
     outside = _Outside(program=program, use=use)
     rungs = outside.whole_rungs() if alone else (outside.part_of_rung(analyse_program(program)),)
     index = use.pou.rungs.index(use.rung)
-    pou = with_rungs(use.pou, (*use.pou.rungs[:index], *rungs, *use.pou.rungs[index + 1:]))
+    pou = replace(use.pou, rungs=(
+        *use.pou.rungs[:index], *rungs, *use.pou.rungs[index + 1:]))
     return _declared(with_pou(program, pou), pou, outside.variables())
 
 
@@ -208,7 +211,7 @@ class _Outside:
                 f'{name[len(member) + 1:]}={place}' for name, places in self.was.items()
                 if name.startswith(f'{member.casefold()}.') for place in places)
             return replace(outer, was=(*self._places(member, '.'), *below))
-        if isinstance(outer, (Contact, Coil)) and remembers(outer):
+        if isinstance(outer, (Contact, Coil)) and senses_edge(outer):
             return replace(outer, was=self._places(f'{rung}/{inner}', '/'))
         return outer
 

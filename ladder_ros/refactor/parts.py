@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 from ladder_ros.compiler.access_keys import AccessKey
 from ladder_ros.compiler.accesses import access_histories
-from ladder_ros.compiler.aov import Aov, Arc, SymbolVertex, VirtualVertex
+from ladder_ros.compiler.aov import Aov, Arc, numbered, SymbolVertex, VirtualVertex
 from ladder_ros.compiler.symbols import Operand, Resolved
 from ladder_ros.compiler.tree import Leaf
 from ladder_ros.compiler.wiring import Rail
@@ -124,19 +124,6 @@ def _histories(
     symbols: Iterable[SymbolVertex], key: AccessKey,
 ) -> dict[str, list[frozenset[object]]]:
     return access_histories([Leaf(symbol=symbol) for symbol in symbols], key)
-
-
-def numbered(aov: Aov) -> Aov:
-    """Return the graph with symbols numbered first, in order, as all graphs are."""
-    vertices: list[SymbolVertex | VirtualVertex] = [*aov.symbols, *aov.virtuals]
-    number = {vertex.id: index for index, vertex in enumerate(vertices)}
-    arcs = {replace(arc, source=number[arc.source], target=number[arc.target]): None
-            for arc in aov.arcs}
-    return replace(
-        aov, symbols=tuple(replace(s, id=number[s.id]) for s in aov.symbols),
-        virtuals=tuple(replace(v, id=number[v.id]) for v in aov.virtuals),
-        arcs=tuple(sorted(arcs, key=lambda arc: (
-            arc.source, arc.target, arc.source_pin, arc.target_pin))))
 
 
 def _refusal(aov: Aov, chosen: frozenset[int], reason: str) -> LadderError:

@@ -12,11 +12,21 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from ladder_ros.diagnostics import LadderError
-from ladder_ros.model.component import Block, Coil, Component, Contact, Instance
+from ladder_ros.model.component import Block, Coil, Component, Contact, Instance, senses_edge
 from ladder_ros.model.names import why_illegal
-from ladder_ros.model.program import Body, Composite, Parameter, Pou, Program, Rung, Variable
-from ladder_ros.refactor.extract import check_name, names_seen, with_pou
-from ladder_ros.refactor.places import remembers, renamed_rung, with_rungs
+from ladder_ros.model.places import edge_place, renamed_rung
+from ladder_ros.model.program import (
+    Body,
+    Composite,
+    Parameter,
+    Pou,
+    Program,
+    Rung,
+    Variable,
+    with_pou,
+    with_rungs,
+)
+from ladder_ros.refactor.extract import check_name, names_seen
 
 
 def rename(program: Program, old: str, new: str, pou: Composite | None = None) -> Program:
@@ -159,8 +169,8 @@ def _body(program: Program, key: str, new: str) -> Program:
             return body
         return replace(body, name=new, rungs=tuple(
             replace(rung, components=tuple(
-                replace(c, was=(f'{body.name}/{rung.id}/{c.id}', *c.was))
-                if isinstance(c, (Contact, Coil)) and remembers(c) else c
+                replace(c, was=(edge_place(body, rung.id, c.id), *c.was))
+                if isinstance(c, (Contact, Coil)) and senses_edge(c) else c
                 for c in rung.components))
             for rung in body.rungs))
 
@@ -181,10 +191,5 @@ def _task(program: Program, key: str, new: str) -> Program:
 
 def _everywhere(program: Program, change: Callable[[Component], Component]) -> Program:
     """Return the program with every component as ``change`` says."""
-    def changed(pou: Pou) -> Pou:
-        return with_rungs(pou, tuple(
-            replace(rung, components=tuple(map(change, rung.components))) for rung in pou.rungs))
-
-    for pou in program.pous:
-        program = with_pou(program, changed(pou))
-    return program
+    return with_rungs(program, lambda pou: tuple(
+        replace(rung, components=tuple(map(change, rung.components))) for rung in pou.rungs))

@@ -6,10 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.component import Column, Row
-from ladder_ros.model.program import Body, Composite, Pou, Program, Rung
+from ladder_ros.model.program import Body, Composite, Pou, pou_key, Program, Rung
 from ladder_ros.refactor.extract import extract
 from ladder_ros.refactor.fit import fit, Fragment, Leak, Scopes
 from ladder_ros.refactor.fragments import shape_program, Shapes

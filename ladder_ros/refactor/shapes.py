@@ -25,7 +25,7 @@ from ladder_ros.compiler.aov import Aov, SymbolVertex
 from ladder_ros.compiler.aov_to_tree import reduce_to_tree
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
-from ladder_ros.compiler.symbols import Operand, pou_key, Symbols
+from ladder_ros.compiler.symbols import Operand, Symbols
 from ladder_ros.compiler.tree import (
     And,
     children,
@@ -40,11 +40,17 @@ from ladder_ros.compiler.tree import (
     Tree,
 )
 from ladder_ros.compiler.wiring_to_aov import build_aov
-from ladder_ros.diagnostics import has_errors, LadderError
-from ladder_ros.model.component import Argument, Block, Coil, Component, Contact, Instance
-from ladder_ros.model.program import CallKind, Composite, Pou, Program, Rung
+from ladder_ros.diagnostics import has_errors, raise_errors
+from ladder_ros.model.component import (
+    arguments_of,
+    Block,
+    Coil,
+    Contact,
+    Instance,
+)
+from ladder_ros.model.places import base, Directions, directions, is_literal, Place, places
+from ladder_ros.model.program import Composite, is_inline, Pou, pou_key, Program, Rung
 from ladder_ros.model.types import DataType
-from ladder_ros.refactor.places import base, Directions, directions, is_literal, Place, places
 
 MOST_PART = 12
 """Components in a part of a rung that is looked for elsewhere."""
@@ -110,17 +116,15 @@ def analyse_program(program: Program) -> Analysis:
     symbols, found = resolve_symbols(program)
     graphs: dict[tuple[str, str], Aov] = {}
     for pou in program.pous:
-        ends = not (isinstance(pou, Composite) and pou.call is CallKind.INLINE)
         for rung in pou.rungs:
-            wiring, wrong = analyse_connections(rung, ends_in_output=ends)
+            wiring, wrong = analyse_connections(rung, ends_in_output=not is_inline(pou))
             found += wrong
             if has_errors(found):
                 continue
             aov, wrong = build_aov(wiring, symbols.of_rung(pou_key(pou), rung.id))
             found += wrong
             graphs[pou_key(pou), rung.id.casefold()] = aov
-    if has_errors(found):
-        raise LadderError(found)
+    raise_errors(found)
     return Analysis(program=program, symbols=symbols, graphs=graphs,
                     keys={pou_key(pou): access_key(program, pou) for pou in program.pous})
 
@@ -205,7 +209,7 @@ class _RungShape:
         rank = {leaf.symbol.component.id.casefold(): n for n, leaf in enumerate(order)}
         links = tuple(
             (n, argument.pin.casefold(), rank[source.casefold()], pin.casefold())
-            for n, leaf in enumerate(order) for argument in _arguments(leaf.symbol.component)
+            for n, leaf in enumerate(order) for argument in arguments_of(leaf.symbol.component)
             if argument.source for source, _, pin in [argument.source.partition('.')])
         number = self.numbers.of(
             ('rung', tuple(self.plain[id(tree)] for tree in forest.trees), links))
@@ -322,7 +326,7 @@ class _RungShape:
             kind = ('instance', component.composite.casefold())
         rows = tuple(sorted(
             (argument.pin.casefold(), argument.row if argument.row is not None else -1)
-            for argument in _arguments(component) if not argument.operand))
+            for argument in arguments_of(component) if not argument.operand))
         return self.numbers.of((*kind, pins, rows))
 
     def _typed(self, symbol: SymbolVertex) -> Iterable[tuple[Place, DataType]]:
@@ -359,12 +363,6 @@ def _is_contact(leaf: Tree) -> bool:
 
 def _is_coil(part: Tree) -> bool:
     return isinstance(part, Leaf) and isinstance(part.symbol.component, Coil)
-
-
-def _arguments(component: Component) -> tuple[Argument, ...]:
-    if isinstance(component, Block):
-        return component.inputs + component.outputs
-    return component.arguments if isinstance(component, Instance) else ()
 
 
 def _distinct(parts: Sequence[Tree]) -> bool:

@@ -8,8 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ladder_ros.compiler.accesses import access_histories
-from ladder_ros.compiler.aov import Aov, SymbolVertex
-from ladder_ros.compiler.symbols import pou_key
+from ladder_ros.compiler.aov import Aov, numbered, SymbolVertex
 from ladder_ros.compiler.tree import Leaf
 from ladder_ros.compiler.wiring import Rail
 from ladder_ros.coordinates.aov_to_rung import draw_rung
@@ -23,12 +22,11 @@ from ladder_ros.model.component import (
     Instance,
     Placement,
     Row,
+    senses_edge,
 )
-from ladder_ros.model.program import Body, Pou, Program, Rung
-from ladder_ros.refactor.extract import with_pou
+from ladder_ros.model.places import edge_place
+from ladder_ros.model.program import Pou, pou_key, Program, Rung, with_pou
 from ladder_ros.refactor.naming import unique
-from ladder_ros.refactor.parts import numbered
-from ladder_ros.refactor.places import remembers, with_rungs
 from ladder_ros.refactor.shapes import analyse_program
 
 
@@ -148,9 +146,8 @@ def _leaf(symbol: SymbolVertex) -> Leaf:
 
 def _moved(component: Component, pou: Pou, rung: str, identifier: str) -> Component:
     """Return a component of another rung; an edge says where its memory was."""
-    if isinstance(component, (Contact, Coil)) and remembers(component):
-        start = f'{pou.name}/' if isinstance(pou, Body) else ''
-        return replace(component, was=(f'{start}{rung}/{identifier}', *component.was))
+    if isinstance(component, (Contact, Coil)) and senses_edge(component):
+        return replace(component, was=(edge_place(pou, rung, identifier), *component.was))
     return component
 
 
@@ -172,8 +169,8 @@ def _replaced(
     program: Program, pou: Pou, old: Sequence[Rung], new: Sequence[Rung],
 ) -> Program:
     first = pou.rungs.index(old[0])
-    return with_pou(program, with_rungs(
-        pou, (*pou.rungs[:first], *new, *pou.rungs[first + len(old):])))
+    return with_pou(program, replace(
+        pou, rungs=(*pou.rungs[:first], *new, *pou.rungs[first + len(old):])))
 
 
 def _refusal(rung: Rung, what: str, reason: str) -> LadderError:

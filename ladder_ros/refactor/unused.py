@@ -9,9 +9,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ladder_ros.model.component import Block, Coil, Component, Contact, Instance
-from ladder_ros.model.program import Parameter, Pou, Program, Rung, Variable, VariableClass
-from ladder_ros.refactor.places import names_in
+from ladder_ros.model.component import Component, Instance
+from ladder_ros.model.places import names_in, without_history
+from ladder_ros.model.program import (
+    Parameter,
+    Program,
+    Rung,
+    Variable,
+    VariableClass,
+    with_rungs,
+)
 
 
 def remove_unused(program: Program) -> tuple[Program, tuple[str, ...]]:
@@ -28,17 +35,16 @@ def remove_unused(program: Program) -> tuple[Program, tuple[str, ...]]:
 
 def forget(program: Program) -> Program:
     """Return the program without where its state was: for when no running program is older."""
-    def forgotten(pou: Pou) -> tuple[Rung, ...]:
-        return tuple(replace(rung, components=tuple(
-            replace(c, was=()) if isinstance(c, (Contact, Coil, Block, Instance)) else c
-            for c in rung.components)) for rung in pou.rungs)
+    def forgotten(variables: tuple[Variable, ...]) -> tuple[Variable, ...]:
+        return tuple(replace(variable, was=()) for variable in variables)
 
+    program = with_rungs(program, lambda pou: tuple(
+        replace(rung, components=tuple(map(without_history, rung.components)))
+        for rung in pou.rungs))
     return replace(
-        program, variables=tuple(replace(v, was=()) for v in program.variables),
-        bodies=tuple(replace(body, rungs=forgotten(body)) for body in program.bodies),
-        composites=tuple(
-            replace(c, rungs=forgotten(c), variables=tuple(
-                replace(v, was=()) for v in c.variables)) for c in program.composites))
+        program, variables=forgotten(program.variables),
+        composites=tuple(replace(c, variables=forgotten(c.variables))
+                         for c in program.composites))
 
 
 def _step(program: Program) -> tuple[Program, list[str]]:
@@ -73,10 +79,9 @@ def _step(program: Program) -> tuple[Program, list[str]]:
     libraries = {composite.library for composite in composites}
     removed += [f'library {use.library}' for use in program.uses if use.library not in libraries]
     uses = tuple(use for use in program.uses if use.library in libraries)
-    return replace(
-        program, uses=uses, variables=variables, tasks=kept_tasks,
-        composites=tuple(replace(c, rungs=_without(c.rungs, gone)) for c in composites),
-        bodies=tuple(replace(b, rungs=_without(b.rungs, gone)) for b in program.bodies)), removed
+    kept = replace(
+        program, uses=uses, variables=variables, tasks=kept_tasks, composites=composites)
+    return with_rungs(kept, lambda pou: _without(pou.rungs, gone)), removed
 
 
 def _is_kept(variable: Variable, used: set[str]) -> bool:

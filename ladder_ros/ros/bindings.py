@@ -25,7 +25,7 @@ from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallba
 from rclpy.qos import DurabilityPolicy, qos_policy_name_from_kind, QoSProfile, ReliabilityPolicy
 
 from ladder_ros.diagnostics import LadderError, problem
-from ladder_ros.executable import Executable
+from ladder_ros.executable import ARITHMETIC_ERRORS, Executable
 from ladder_ros.model.types import Value
 from ladder_ros.ros.io_points import Endpoint, InputPoint, IoMap, OutputPoint
 from ladder_ros.ros.message_types import message_class, new_message
@@ -72,9 +72,16 @@ class Plan:
         """How many variables go out."""
         self.seen: object = NOTHING
         """The outputs after the last scan; NOTHING if something else than they has been sent."""
+        slot = executable.slot(ARITHMETIC_ERRORS) if executable is not None else None
+        self.errors = slot.index if slot is not None else None
+        """The slot that counts arithmetic errors."""
+        self.known_errors: Value = 0
         indices = [point.slot.index for point in io_map.outputs]
+        if self.errors is not None:
+            indices.append(self.errors)
         self.pick: Callable[[Sequence[Value]], object] = \
             itemgetter(*indices) if indices else lambda _values: None
+        """Returns what is looked at after each scan: the outputs, and the count of errors."""
         self.every_scan = any(point.every_scan for point in io_map.outputs)
 
     @property
@@ -109,13 +116,18 @@ class Bindings:
 
     def __init__(
         self, node: Any, inlet: Callable[[Executable], Inlet], warn: Callable[[str], None],
-        ros_time: RosTime,
+        ros_time: RosTime, news: Callable[[], None],
     ) -> None:
-        """Start without any; ``inlet`` is the session's, ``warn`` gets sentences for the log."""
+        """Start without any; ``inlet`` is the session's, ``warn`` gets sentences for the log.
+
+        ``news`` is called, in any thread, when something has happened that is worth telling: an
+        input is stale or no longer so, an arithmetic error, incompatible qualities of service.
+        """
         self._node = node
         self._inlet = inlet
         self._warn = warn
         self._ros_time = ros_time
+        self._news = news
         self._plan = Plan()
         self._plans: dict[int, Plan] = {}
         self._settled: set[Endpoint] = set()
@@ -233,22 +245,34 @@ class Bindings:
 
     def after_scan(self, result: ScanResult) -> None:
         """Publish the outputs that changed and look after the age of the inputs."""
-        plan = self._plans.get(id(result.executable))
-        if plan is None or result.fault is not None:
+        plan = self._plan
+        if plan.executable is not result.executable:
+            found = self._plans.get(id(result.executable))
+            if found is None:
+                return
+            plan = found
+        if result.fault is not None:
             return
-        values, now = result.values, result.now
-        outputs = plan.pick(values)
-        if outputs != plan.seen or plan.every_scan:
-            plan.seen = outputs
-            stamp = self._stamp(plan, now)
-            for publication in plan.publications.values():
-                publication.after_scan(values, stamp)
+        outputs = plan.pick(result.values)
+        if outputs != plan.seen:
+            self._publish(plan, result)
+            plan.seen = NOTHING if plan.every_scan else outputs
+        for item in plan.watched:
+            if item.watch(result.now):
+                self._news()
+
+    def _publish(self, plan: Plan, result: ScanResult) -> None:
+        """Publish what has changed; the first scan of a program begins the age of its inputs."""
+        if plan.errors is not None and result.values[plan.errors] != plan.known_errors:
+            plan.known_errors = result.values[plan.errors]
+            self._news()
+        stamp = self._stamp(plan, result.now)
+        for publication in plan.publications.values():
+            publication.after_scan(result.values, stamp)
         if not plan.begun:
             plan.begun = True
             for item in plan.inputs.values():
-                item.begin(now)
-        for item in plan.watched:
-            item.watch(now)
+                item.begin(result.now)
 
     # While no scan runs
 
@@ -257,6 +281,7 @@ class Bindings:
         for item in self._plan.inputs.values():
             item.state.fresh_at = None
         self._plan.begun = False
+        self._plan.seen = NOTHING
 
     def publish_safe(self) -> None:
         """Publish the safe values; the next scan publishes what differs from them again."""
@@ -346,6 +371,7 @@ class Bindings:
     def _mismatch(self, endpoint: Endpoint, event: Any) -> None:
         policy = str(qos_policy_name_from_kind(event.last_policy_kind)).lower()
         self.mismatches[endpoint.full_topic] = policy
+        self._news()
         other = 'subscriber' if endpoint.output else 'publisher'
         advice = '' if endpoint.output else {
             'reliability': "; it sends best effort: set the input's qos to sensor_data",

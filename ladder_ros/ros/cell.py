@@ -9,7 +9,7 @@ and again when its program has been unloaded.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -40,11 +40,14 @@ class Cell:
 
     def __init__(
         self, node: Any, session: Session, settings: Settings, warn: Any, resolve_topic: Any,
-        ros_time: RosTime,
+        ros_time: RosTime, news: Callable[[], None],
     ) -> None:
-        """Make an empty cell; ``warn`` gets sentences, ``resolve_topic`` as in ``resolve_io``."""
+        """Make an empty cell; ``warn`` gets sentences, ``resolve_topic`` as in ``resolve_io``.
+
+        ``news`` is called, in any thread, when something has happened that is worth telling.
+        """
         self.session = session
-        self.bindings = Bindings(node, session.inlet, warn, ros_time)
+        self.bindings = Bindings(node, session.inlet, warn, ros_time, news)
         self.loader = Loader(settings.io, resolve_topic, self.bindings.poll)
         self._backend = settings.backend
         self._candidate: Prepared | None = None
@@ -54,6 +57,7 @@ class Cell:
         session.add_listener(self.bindings.after_scan)
         session.add_change_listener(self._on_change)
         session.add_state_listener(self._on_state)
+        session.add_news_listener(news)
 
     # Listeners: in the scan thread, or in the one that made the change
 
@@ -231,7 +235,8 @@ class Cell:
                 raise LadderError.of(
                     'L0604', parameter_place('forces'), text, name='forces',
                     expected='write name=value, for example motor=FALSE')
-            slot = find_slot(self.session.executable, name.strip())
+            slot = find_slot(
+                self.session.executable, name.strip(), parameter_place('forces'))
             if slot.path in wanted:
                 raise LadderError.of(
                     'L0604', parameter_place('forces'), text, name='forces',

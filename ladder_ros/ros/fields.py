@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import chain
 from operator import attrgetter, itemgetter
 import re
 from typing import Any, TypeAlias
@@ -374,11 +373,24 @@ def _one_reader(steps: Steps, plain: Plain) -> Row:
 
 def _bits_reader(owner: Callable[[Any], Any], fields: Sequence[Field]) -> Row:
     """Read bits of an array of bytes, all of which are taken apart at once."""
-    pick = itemgetter(*(
-        8 * element + field.bit for field in fields
-        if isinstance(element := field.steps[-1], int) and field.bit is not None))
-    return lambda message: pick(
-        tuple(chain.from_iterable(map(_BITS.__getitem__, bytes(owner(message))))))
+    places = [8 * element + field.bit for field in fields
+              if isinstance(element := field.steps[-1], int) and field.bit is not None]
+    in_order = places == list(range(len(places)))
+    size, pick, bits = max(places) + 1, itemgetter(*places), _BITS
+
+    def read(message: Any) -> Sequence[Any]:
+        values: list[bool] = []
+        for byte in owner(message):
+            values += bits[byte]
+        if len(values) < size:
+            raise IndexError(size - 1)
+        if in_order:
+            del values[size:]
+            return values
+        picked: tuple[bool, ...] = pick(values)
+        return picked
+
+    return read
 
 
 def writer(field: Field) -> Callable[[Any, Any], None]:

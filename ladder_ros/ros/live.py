@@ -23,7 +23,8 @@ from ladder_ros.diagnostics import has_errors, LadderError, render
 from ladder_ros.ros.parameters import check_parameter, declare, RULES
 from ladder_ros.ros.rules import Declaration
 
-LIVE = frozenset(rule.name for rule in RULES if not rule.read_only)
+KINDS = {rule.name: rule.kind for rule in RULES if not rule.read_only}
+LIVE = frozenset(KINDS)
 
 Action = Callable[[Any], None]
 
@@ -61,6 +62,7 @@ class LiveParameters:
     def declare(self, declarations: Sequence[Declaration]) -> None:
         """Declare all parameters on the node; from now on they can be set."""
         declare(self._node, declarations, descriptor)
+        self._node.add_pre_set_parameters_callback(lambda given: [*map(as_meant, given)])
         self._node.add_on_set_parameters_callback(self._on_set)
         self._node.add_post_set_parameters_callback(self._on_post)
 
@@ -118,6 +120,20 @@ class LiveParameters:
             except Exception as error:
                 # Too late to refuse; the state shows it, and what is really so.
                 self._on_error(error)
+
+
+def as_meant(parameter: Parameter) -> Parameter:
+    """Return a parameter in the type that is declared, where what was written means it as well.
+
+    `ros2 param set` makes an integer of 30, and of [] a list of no type in particular; the client
+    library refuses both for a parameter of another type before anybody is asked.
+    """
+    kind = KINDS.get(parameter.name)
+    if kind is float and parameter.type_ is Parameter.Type.INTEGER:
+        return Parameter(parameter.name, Parameter.Type.DOUBLE, float(parameter.value))
+    if kind is list and parameter.type_.name.endswith('_ARRAY') and not len(parameter.value):
+        return Parameter(parameter.name, Parameter.Type.STRING_ARRAY, [])
+    return parameter
 
 
 def shown(value: Any) -> Any:

@@ -14,6 +14,7 @@ import json
 from typing import Any
 
 from rclpy.clock import Clock, ClockType
+from rclpy.event_handler import PublisherEventCallbacks
 from std_msgs.msg import String
 
 from ladder_ros.diagnostics import LadderError
@@ -22,9 +23,6 @@ from ladder_ros.model.types import NS_PER_MS, Value
 from ladder_ros.ros.rules import did_you_mean, parameter_place
 from ladder_ros.ros.status import LATCHED
 from ladder_ros.session import find_slot, format_value, ScanResult, Session
-
-ATTENTION = 0.5
-"""Seconds after which it is looked whether somebody subscribes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,9 +127,10 @@ class Monitor:
         self._rate = rate
         self._wanted = False
         self._sample: Sample | None = None
-        self._publisher = node.create_publisher(String, '~/monitor', LATCHED)
         self._timer: Any = None
-        self._every(ATTENTION, self._attend)
+        self._publisher = node.create_publisher(
+            String, '~/monitor', LATCHED,
+            event_callbacks=PublisherEventCallbacks(matched=self._attend))
 
     def set_rate(self, rate: float) -> None:
         """Send so many messages a second."""
@@ -145,9 +144,9 @@ class Monitor:
         return self._node.create_timer(
             seconds, action, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
-    def _attend(self) -> None:
+    def _attend(self, audience: Any) -> None:
         """Begin when somebody subscribes, and end when nobody does any more."""
-        is_wanted = self._publisher.get_subscription_count() > 0
+        is_wanted = audience.current_count > 0
         if is_wanted and self._timer is None:
             self._timer = self._every(1.0 / self._rate, self._tick)
         elif not is_wanted and self._timer is not None:

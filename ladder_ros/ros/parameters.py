@@ -56,7 +56,7 @@ RULES: tuple[Rule, ...] = (
          description='What ~/reset does. warm: initial values but for retained variables; cold: '
                      'these too; origin: what is saved of them and the program go as well.'),
     Rule(name='forces', kind=list, default=[], read_only=False, description=(
-        "Variables held at a value whatever the program does: a list of name=value; [''] for "
+        'Variables held at a value whatever the program does: a list of name=value; [] for '
         'none.')),
     Rule(name='status_period', kind=float, default=1.0, low=0.1, high=3600.0, description=(
         'Seconds between messages on ~/state while nothing changes.')),

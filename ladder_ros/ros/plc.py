@@ -14,7 +14,6 @@ import sys
 import time
 from typing import Any
 
-from rclpy.clock import Clock, ClockType
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock as ClockMessage
@@ -32,6 +31,7 @@ from ladder_ros.ros.reasons import reason_of
 from ladder_ros.ros.rules import Declaration
 from ladder_ros.ros.services import serve
 from ladder_ros.ros.sim_clock import RosTimeClock
+from ladder_ros.ros.spinning import Attention
 from ladder_ros.ros.status import (
     ASKED_FOR,
     ChangePublisher,
@@ -63,6 +63,7 @@ class Plc:
         self._make_folder(self._retain_file)
         self._recordings = Recordings(settings.values['record_folder'], name)
         self._folders = ProgramFolders(folders=())
+        self._attention = Attention(node, self._look, LOOK)
         self._live = LiveParameters(
             node, settings.values, self._checks(), self._actions(), self._note_error)
         self._cell = self._new_cell()
@@ -82,10 +83,9 @@ class Plc:
             node, lambda: self._cell.session, self._live['monitor.pou'],
             self._live['monitor.rate'], self._note_error)
         self._changes = ChangePublisher(node)
-        self._shadow = ShadowPublisher(node)
+        self._shadow = ShadowPublisher(node, self._look)
         self._status = StatusPublisher(
             node, self.state, self._condition, self._tasks, settings.status_period)
-        node.create_timer(LOOK, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME))
         serve(node, {
             'reload': self.reload, 'start': self.start, 'stop': self.stop, 'reset': self.reset,
             'preflight': self.preflight, 'test': self.test, 'untest': self.untest,
@@ -137,7 +137,7 @@ class Plc:
             retain_period_s=self._settings.values['retain_period'],
             real_time=self._settings.real_time)
         cell = Cell(self._node, session, self._settings, self._log.warning, self._resolve_topic,
-                    self._ros_time)
+                    self._ros_time, self._attention.ask)
         cell.require(self._live['change.require'])
         return cell
 
@@ -275,7 +275,8 @@ class Plc:
             raise no_program(request)
         if not self._live['candidate']:
             return self._cell.path
-        return next_program(self._live['candidate'], self._folders, self._cell.path)
+        return next_program(
+            self._live['candidate'], self._folders, self._cell.path, 'candidate')
 
     def _refuse_in_test(self, request: str) -> None:
         if self._cell.session.in_test:
@@ -362,7 +363,7 @@ class Plc:
 
     def _check_candidate(self, name: str) -> None:
         if name:
-            next_program(name, self._folders, self._cell.path or self._wanted)
+            next_program(name, self._folders, self._cell.path or self._wanted, 'candidate')
 
     def _check_forces(self, texts: Sequence[str]) -> None:
         if self._cell.session.loaded is not None:
@@ -429,16 +430,16 @@ class Plc:
     # What happened in the scan thread
 
     def _look(self) -> None:
-        self._keep_house()
-        self._status.look()
+        self._keep_house(self._status.look)
 
-    def _keep_house(self) -> None:
+    def _keep_house(self, then: Callable[[], None] = lambda: None) -> None:
         """Do what the scan thread has no time for."""
         try:
             while self._cell.events:
                 self._tell_change(self._cell.events.popleft())
             self._follow_fault()
             self._shadow.publish(self._cell.session.shadow_status())
+            then()
         except Exception as error:  # would end the callback thread
             if error_text(error) != self._last_error:
                 self._note_error(error)

@@ -9,6 +9,7 @@ in the program folders: a path anywhere else would let a stranger on the network
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
@@ -37,9 +38,9 @@ class ProgramFolders:
         folders = []
         for name in given:
             folder = _absolute(name)
-            if not folder.is_dir():
-                raise refusal(name, 'program_folders names it, but it is no folder',
-                              parameter='program_folders')
+            with _named_by('program_folders', name):
+                if not folder.is_dir():
+                    raise _UnusableError('program_folders names it, but it is no folder')
             folders.append(folder)
         if not folders:
             folders = [] if first_program is None else [first_program.parent]
@@ -64,35 +65,48 @@ def first_program(name: str) -> Path:
     A path (relative to the working directory), a URL, or the name of an installed example.
     Raises LadderError (L0605).
     """
-    path = _from_url(name)
-    if path is None:
-        path = _absolute(name)
-        if not path.exists():
-            path = next(_candidates(name, _installed()), path)
-    return _existing(name, path)
+    with _named_by('program', name):
+        path = _from_url(name)
+        if path is None:
+            path = _absolute(name)
+            if not path.exists():
+                path = next(_candidates(name, _installed()), path)
+        return _existing(path)
 
 
-def next_program(name: str, folders: ProgramFolders, current: Path | None) -> Path:
-    """Return the file that a name given to the running node means.
+def next_program(
+    name: str, folders: ProgramFolders, current: Path | None, parameter: str = 'program',
+) -> Path:
+    """Return the file that a name given to the running node, by a parameter, means.
 
     A relative name is looked for beside the running program, then in the program folders.
     Raises LadderError (L0605) if it is not there or lies outside of the program folders.
     """
-    path = _from_url(name)
-    if path is None:
-        path = Path(name)
-        if not path.is_absolute():
-            beside = [] if current is None else [current.parent]
-            places = [*beside, *folders.folders]
-            path = next(_candidates(name, places), (places or [Path.cwd()])[0] / name)
-    if not folders.holds(path):
-        raise refusal(name, f'it lies outside of the program folders: {folders}')
-    return _existing(name, path)
+    with _named_by(parameter, name):
+        path = _from_url(name)
+        if path is None:
+            path = Path(name)
+            if not path.is_absolute():
+                beside = [] if current is None else [current.parent]
+                places = [*beside, *folders.folders]
+                path = next(_candidates(name, places), (places or [Path.cwd()])[0] / name)
+        if not folders.holds(path):
+            raise _UnusableError(f'it lies outside of the program folders: {folders}')
+        return _existing(path)
 
 
-def refusal(name: str, reason: str, *, parameter: str = 'program') -> LadderError:
-    """Return the error for a program that may not be loaded."""
-    return LadderError.of('L0605', parameter_place(parameter), name=name or "''", reason=reason)
+class _UnusableError(ValueError):
+    """Why a name leads to no program, or to none that may be loaded."""
+
+
+@contextmanager
+def _named_by(parameter: str, name: str) -> Iterator[None]:
+    """Say which parameter has the name that is found unusable."""
+    try:
+        yield
+    except _UnusableError as error:
+        raise LadderError.of(
+            'L0605', parameter_place(parameter), name=name or "''", reason=str(error)) from None
 
 
 def _from_url(name: str) -> Path | None:
@@ -103,37 +117,38 @@ def _from_url(name: str) -> Path | None:
         url = urlsplit(name)
         host, path = unquote(url.netloc), unquote(url.path)
     except ValueError as error:
-        raise refusal(name, f'the address cannot be read: {error}') from None
+        raise _UnusableError(f'the address cannot be read: {error}') from None
     if url.scheme == 'file' and host in ('', 'localhost'):
         return Path(path)
     if url.scheme == 'package':
-        share = _share(name, host)
+        share = _share(host)
         target = share / path.lstrip('/')
         if '..' in Path(path).parts:
-            raise refusal(name, 'the path leads out of the package')
+            raise _UnusableError('the path leads out of the package')
         return target
-    raise refusal(name, 'write a path, file:///... or package://<package>/<path>')
+    raise _UnusableError('write a path, file:///... or package://<package>/<path>')
 
 
-def _share(name: str, package: str) -> Path:
+def _share(package: str) -> Path:
     if package == PACKAGE:  # found in a source tree, too, which no index knows
         return resource_dir('programs').parent
     try:
         return Path(get_package_share_directory(package))
     except (PackageNotFoundError, OSError, ValueError, LookupError):
-        raise refusal(
-            name, f'there is no package {package!r} in AMENT_PREFIX_PATH; source its workspace',
+        raise _UnusableError(
+            f'there is no package {package!r} in AMENT_PREFIX_PATH; source its workspace',
         ) from None
 
 
-def _existing(name: str, path: Path) -> Path:
+def _existing(path: Path) -> Path:
     try:
         if path.is_file() or (path / 'project.json').is_file():  # a file, or an OpenPLC project
             return path
-        what = 'it is a folder' if path.is_dir() else f'there is no file {path}'
+        what = (f'{path} is a folder, and no OpenPLC project: there is no project.json in it'
+                if path.is_dir() else f'there is no file {path}')
     except (OSError, ValueError) as error:  # too long, a NUL, no permission
         what = f'the path cannot be used: {error}'
-    raise refusal(name, what)
+    raise _UnusableError(what)
 
 
 def _absolute(name: str) -> Path:

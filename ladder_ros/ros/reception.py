@@ -112,30 +112,33 @@ class Input:
             self.state.fresh_at = now
         self.enter()
 
-    def watch(self, now: int) -> None:
-        """Notice after a scan at ``now`` that messages stay away, or come again."""
+    def watch(self, now: int) -> bool:
+        """Notice after a scan at ``now`` that messages stay away, or come again: whether so."""
         state = self.state
         received = state.received
         if received > state.seen:
             state.seen = received
             state.fresh_at = now
             if not state.stale:
-                return
+                return False
             with state.lock:
                 state.stale = False
                 if state.value is not None:  # the fallback may have been written over it
                     self.write(state.value)
                 self._tell()
+            return True
         elif state.fresh_at is None:
             state.fresh_at = now
         elif not state.stale and now - state.fresh_at >= self.point.timeout:
             with state.lock:
                 if state.received > state.seen:
-                    return  # just in time
+                    return False  # just in time
                 state.stale = True
                 if self.point.fallback is not None:
                     self.write(self.point.fallback)
                 self._tell()
+            return True
+        return False
 
     def _tell(self) -> None:
         """Bring the stale contact up to date."""
@@ -185,7 +188,7 @@ class Source:
     def feed(self, inputs: Iterable[Input]) -> None:
         """Hand messages to these variables from now on, by another ``receive``."""
         owners: dict[Steps, list[Input]] = {}
-        for item in inputs:
+        for item in sorted(inputs, key=lambda item: item.point.slot.index):
             owners.setdefault(item.point.field.steps[:-1], []).append(item)
         items = [item for fed in owners.values() for item in fed]
         with self.lock:
@@ -197,7 +200,7 @@ class Source:
                     (picker(item.point.field), item.point.conversion.decode, item)
                     for item in fed))
                 for steps, fed in owners.items())
-            self._indices = tuple(item.point.slot.index for item in items)
+            self._indices = in_a_row([item.point.slot.index for item in items])
             self._pulses = pulses_of(item.point for item in items)
             stores = {item.store for item in items}
             read = row_reader([
@@ -252,6 +255,12 @@ class Source:
             for store, good in taken.items():
                 store([point.slot.index for point, _ in good], [value for _, value in good],
                       pulses_of(point for point, _ in good))
+
+
+def in_a_row(indices: Sequence[int]) -> Sequence[int]:
+    """Return slots as a range if they lie side by side: such a row is written in one go."""
+    row = range(indices[0], indices[0] + len(indices)) if len(indices) > 1 else range(0)
+    return row if list(row) == list(indices) else tuple(indices)
 
 
 def pulses_of(points: Iterable[InputPoint]) -> Collection[int]:

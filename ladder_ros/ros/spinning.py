@@ -6,8 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 import threading
+import time
 from typing import Any
 
+from rclpy.clock import Clock, ClockType
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.task import Future
 
@@ -25,6 +27,41 @@ def make_executor() -> Any:
     except ImportError:
         return SingleThreadedExecutor()
     return EventsExecutor()
+
+
+class Attention:
+    """Has something looked after in the thread of the callbacks, soon after anybody asked.
+
+    That is once for all who asked, and no more often than every ``rest`` seconds.
+    """
+
+    def __init__(self, node: Any, look: Callable[[], None], rest: float) -> None:
+        """Look once when the node begins to spin; ``look`` may not raise."""
+        self._node = node
+        self._look = look
+        self._rest = rest
+        self._asked = True
+        self._rested = 0.0
+        self._timer = node.create_timer(
+            rest, self._do, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def ask(self) -> None:
+        """Ask for it.  For any thread."""
+        if not self._asked:
+            self._asked = True
+            self._node.executor.create_task(self._begin)
+
+    def _begin(self) -> None:
+        if time.monotonic() < self._rested:
+            self._timer.reset()
+        else:
+            self._do()
+
+    def _do(self) -> None:
+        self._timer.cancel()
+        self._asked = False
+        self._rested = time.monotonic() + self._rest
+        self._look()
 
 
 class CallbackThread:

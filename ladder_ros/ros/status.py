@@ -15,6 +15,7 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
@@ -24,7 +25,7 @@ LATCHED = QoSProfile(
     depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 LOOK = 0.1
-"""How often :meth:`StatusPublisher.look` is to be called, in seconds."""
+"""So often, in seconds, the state is published at the most if things happen by themselves."""
 DIAGNOSTICS = 1.0
 SHADOW = 0.5
 ASKED_FOR = 'asked for'
@@ -74,35 +75,43 @@ class StatusPublisher:
         self._state = state
         self._condition = condition
         self._tasks = tasks
-        self._looks = max(round(period / LOOK), 1)
-        self._silent = 0
         self._last: object = None
         self._state_publisher = node.create_publisher(String, '~/state', LATCHED)
-        self._diagnostics = node.create_publisher(DiagnosticArray, '/diagnostics', 10)
+        self._diagnostics = node.create_publisher(
+            DiagnosticArray, '/diagnostics', 10,
+            event_callbacks=PublisherEventCallbacks(matched=self._attend))
         # Not ROS time: under use_sim_time a paused simulation would silence the node.
-        node.create_timer(DIAGNOSTICS, self.publish_diagnostics,
-                          clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._every_period = node.create_timer(
+            period, self.publish, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._every_second = node.create_timer(
+            DIAGNOSTICS, self._publish_diagnostics,
+            clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._every_second.cancel()
 
     def publish(self) -> None:
         """Publish the state."""
         self._last = self._condition()
-        self._silent = 0
+        self._every_period.reset()
         self._state_publisher.publish(String(data=json.dumps(dict(self._state()))))
 
     def look(self) -> None:
-        """Publish the state if it is time to, or something has happened."""
-        self._silent += 1
-        if self._silent >= self._looks or self._condition() != self._last:
+        """Publish the state if something has happened."""
+        if self._condition() != self._last:
             self.publish()
 
-    def publish_diagnostics(self) -> None:
-        """Publish the diagnostics of the time since the last call, if anybody listens."""
-        tasks = self._tasks()
-        if not self._diagnostics.get_subscription_count():
-            return
+    def _attend(self, audience: Any) -> None:
+        """Publish diagnostics as long as anybody listens."""
+        if not audience.current_count:
+            self._every_second.cancel()
+        elif self._every_second.is_canceled():
+            self._tasks()  # a second begins
+            self._every_second.reset()
+
+    def _publish_diagnostics(self) -> None:
+        """Publish the diagnostics of the last second."""
         array = DiagnosticArray()
         array.header.stamp = self._node.get_clock().now().to_msg()
-        array.status = tasks()
+        array.status = self._tasks()()
         self._diagnostics.publish(array)
 
 
@@ -121,14 +130,21 @@ class ChangePublisher:
 class ShadowPublisher:
     """Publishes on ``~/shadow`` what a shadow run finds, twice a second and when it ends."""
 
-    def __init__(self, node: Any) -> None:
-        """Offer the topic."""
+    def __init__(self, node: Any, look: Callable[[], None]) -> None:
+        """Offer the topic; ``look`` is called again and again while there is a shadow run."""
         self._publisher = node.create_publisher(String, '~/shadow', LATCHED)
+        self._timer = node.create_timer(
+            LOOK, look, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._timer.cancel()
         self._last: tuple[object, ...] = ()
         self._at = 0.0
 
     def publish(self, status: Any) -> None:
         """Publish the status of the shadow run (None if there was none) if it is worth it."""
+        if status is None or status.ended:
+            self._timer.cancel()
+        elif self._timer.is_canceled():
+            self._timer.reset()
         if status is None:
             return
         report = status.to_json()

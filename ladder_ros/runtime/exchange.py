@@ -15,7 +15,7 @@ import threading
 from ladder_ros.executable import Executable, Form, State
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.clock import Clock
-from ladder_ros.runtime.listeners import Listeners
+from ladder_ros.runtime.listeners import DEFAULT_INTERVAL, Listeners
 from ladder_ros.runtime.online_change import Gap, SwapReport
 from ladder_ros.runtime.process_image import Letter
 from ladder_ros.runtime.scan_cycle import ScanCycle, Successor
@@ -37,21 +37,40 @@ class Exchange:
         self._clock = clock
         self._listeners = listeners
         self.cycle: ScanCycle | None = None
+        self._asked: int | None = None
+        self.interval = DEFAULT_INTERVAL
+        """The scan interval in ns, see :meth:`interval_for`; kept because each scan reads it."""
         self.trial: Trial | None = None
         self.shadow: Shadow | None = None
         self.lock = threading.Lock()
         """Held while the program is exchanged, so that no written value is lost."""
         self.letters: deque[Letter] = deque()
         """What has been posted and not delivered."""
-        self._last_began: int | None = None
-        self._gap: Gap | None = None
+        self.began: int | None = None
+        """When the last scan began (ns), None before the first since a start."""
+        self.gap: Gap | None = None
+        """What is to be told when the next scan has begun."""
 
     def put(self, cycle: ScanCycle | None) -> None:
         """Load a program, or none."""
         with self.lock:
-            self.cycle = cycle
+            self._run(cycle)
             self.letters.clear()
         self.shadow = None
+
+    def _run(self, cycle: ScanCycle | None) -> None:
+        self.cycle = cycle
+        self.interval = self.interval_for(cycle.interval if cycle is not None else 0)
+
+    def ask_for(self, interval: int | None) -> None:
+        """Set the scan interval in ns; None leaves it to the program.  For any moment."""
+        with self.lock:
+            self._asked = interval
+            self._run(self.cycle)
+
+    def interval_for(self, own: int) -> int:
+        """Return the scan interval (ns) of a program: that asked for, else its own, else 10 ms."""
+        return self._asked or own or DEFAULT_INTERVAL
 
     def inlet(self, executable: Executable) -> Inlet:
         """Return what posts values of slots of a program, which may have been exchanged then."""
@@ -76,14 +95,14 @@ class Exchange:
 
     def restarted(self) -> None:
         """Note that no scan has run since a start."""
-        self._last_began = None
+        self.began = None
 
-    def scanning(self, began: int) -> None:
-        """Note when a scan began (ns)."""
-        if self._gap is not None and self._last_began is not None:
-            self._gap.ns = began - self._last_began
-        self._gap = None
-        self._last_began = began
+    def close_gap(self, began: int) -> None:
+        """Note when the first scan after a change began (ns)."""
+        if self.gap is not None and self.began is not None:
+            self.gap.ns = began - self.began
+        self.gap = None
+        self._listeners.tell_news()
 
     def take_over(
         self, old: ScanCycle, successor: Successor, *, timeout: int | None = None,
@@ -95,7 +114,7 @@ class Exchange:
         with self.lock:
             self.deliver()
             new, forces_dropped = successor.take_over(copy=timeout is not None)
-            self.cycle = new
+            self._run(new)
         pause = self._clock.now() - began
         report = replace(successor.report, forces_dropped=forces_dropped, pause_ns=pause,
                          gap=self._open_gap())
@@ -116,13 +135,21 @@ class Exchange:
         with self.lock:
             self.deliver()
             trial.old.go_on_after(tried, trial.plan, began - trial.began)
-            self.cycle, self.trial = trial.old, None
+            self._run(trial.old)
+            self.trial = None
         report = replace(
             trial.report, pause_ns=self._clock.now() - began, gap=self._open_gap())
         self._changed(ProgramChange(
             kind=ChangeKind.UNTEST, before=tried.executable, after=trial.old.executable,
             report=report, reason=reason))
         return True
+
+    def end_trial(self, overruns: int) -> None:
+        """Go back if the test that runs is over."""
+        trial, cycle = self.trial, self.cycle
+        why = trial.why_over(self._clock.now(), overruns) if trial is not None else ''
+        if why and cycle is not None:
+            self.go_back(cycle, why)
 
     def move_to(self, executable: Executable, form: Form, state: State) -> object:
         """Let a program go on in a faster form, in ``state``; nothing if it is not there.
@@ -131,7 +158,9 @@ class Exchange:
         """
         for cycle in (self.cycle, self.trial.old if self.trial is not None else None):
             if cycle is not None and cycle.executable is executable:
-                return cycle.move_to(form, state)
+                rest = cycle.move_to(form, state)
+                self._listeners.tell_news()
+                return rest
         return None
 
     def accept(self, tried: ScanCycle) -> bool:
@@ -151,6 +180,6 @@ class Exchange:
 
     def _open_gap(self) -> Gap:
         gap = Gap()
-        if self._last_began is not None:
-            self._gap = gap
+        if self.began is not None:
+            self.gap = gap
         return gap

@@ -64,6 +64,8 @@ class ScanResult(NamedTuple):
 
 Listener = Callable[[ScanResult], None]
 StateListener = Callable[[ControllerState, 'Fault | None'], None]
+NewsListener = Callable[[], None]
+"""Called in any thread, the scan thread's too; may not raise."""
 
 
 class Listeners:
@@ -74,15 +76,8 @@ class Listeners:
         self.of_scans: tuple[Listener, ...] = ()
         self.of_states: tuple[StateListener, ...] = ()
         self.of_changes: tuple[ChangeListener, ...] = ()
+        self.of_news: tuple[NewsListener, ...] = ()
         self.error = ''
-
-    def tell_scan(self, result: ScanResult) -> None:
-        """Tell of a scan."""
-        for listener in self.of_scans:
-            try:
-                listener(result)
-            except Exception as error:
-                self.note(error)
 
     def tell_state(self, state: ControllerState, fault: Fault | None) -> None:
         """Tell of a state."""
@@ -91,6 +86,7 @@ class Listeners:
                 listener(state, fault)
             except Exception as error:
                 self.note(error)
+        self.tell_news()
 
     def tell_change(self, change: ProgramChange) -> None:
         """Tell of a change of the program."""
@@ -99,10 +95,19 @@ class Listeners:
                 listener(change)
             except Exception as error:
                 self.note(error)
+        self.tell_news()
+
+    def tell_news(self) -> None:
+        """Tell that something has happened that the status tells of."""
+        for listener in self.of_news:
+            listener()
 
     def note(self, error: Exception) -> None:
         """Note what a listener raised."""
-        self.error = f'{type(error).__name__}: {error}'
+        text = f'{type(error).__name__}: {error}'
+        if text != self.error:
+            self.error = text
+            self.tell_news()
 
 
 def check_interval(interval: int) -> int:

@@ -20,7 +20,23 @@ Write = tuple[int, Value, bool]
 _T = TypeVar('_T')
 
 Letter = tuple[Executable, Sequence[int], Sequence[Value], Collection[int]]
-"""A program, slots of it, values of their very types, slots of which short pulses count."""
+"""A program, slots of it, values of their very types, slots of which short pulses count.
+
+Slots that lie side by side come as a range: such a row is written in one go.
+"""
+
+
+Rows = dict[range, Sequence[Value]]
+"""Values of slots that lie side by side, in the order in which they were written."""
+
+
+def by_slot(rows: Rows, single: Mapping[int, Value]) -> dict[int, Value]:
+    """Return the values of all slots."""
+    values: dict[int, Value] = {}
+    for slots, row in rows.items():
+        values.update(zip(slots, row, strict=True))
+    values.update(single)
+    return values
 
 
 def _writes(
@@ -48,8 +64,10 @@ class PendingInputs:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self.some: dict[int, Value] = {}
-        """What the next scan is to see, by slot."""
+        self.some = False
+        """Whether the next scan is to see anything."""
+        self._single: dict[int, Value] = {}  # what it is to see, by slot
+        self._rows: Rows = {}  # and what was written before that
         self._later: dict[int, Value] = {}
         self._frozen: dict[int, Value | None] = {}  # of slots that catch pulses
 
@@ -64,43 +82,65 @@ class PendingInputs:
             self._write(values)
 
     def _write(self, values: Iterable[Write]) -> None:
+        single = self._take_apart()
         for index, value, catch_pulse in values:
-            waiting = self.some.get(index, value)
+            waiting = single.get(index, value)
             if catch_pulse:
                 seen = self._frozen.setdefault(index)
                 if waiting not in (value, seen):
                     self._later[index] = value
                     continue
-            self.some[index] = value
+            single[index] = value
             self._later.pop(index, None)
+        self.some = bool(single)
+
+    def _take_apart(self) -> dict[int, Value]:
+        """Leave no rows; return what is pending by slot."""
+        if self._rows:
+            self._single = by_slot(self._rows, self._single)
+            self._rows = {}
+        return self._single
 
     def put(self, letters: deque[Letter], executable: Executable) -> None:
         """Write what the letters say, to the slots of this program; there are none left then."""
         with self._lock:
-            some = self.some
             while letters:
                 its, indices, values, pulses = letters.popleft()
                 if its is not executable or pulses or self._later:
                     self._write(moved_writes(_writes(indices, values, pulses), its, executable))
-                elif len(indices) == 1:
-                    some[indices[0]] = values[0]
+                elif isinstance(indices, range):
+                    self._write_row(indices, values)
                 else:
-                    some.update(zip(indices, values, strict=True))
+                    self._single.update(zip(indices, values, strict=True))
+                    self.some = True
 
-    def take(self) -> dict[int, Value]:
-        """Return what the next scan is to see, which begins."""
+    def _write_row(self, slots: range, values: Sequence[Value]) -> None:
+        for index in [index for index in self._single if index in slots]:
+            del self._single[index]
+        self._rows.pop(slots, None)  # the last one comes last
+        self._rows[slots] = values
+        self.some = True
+
+    def take(self) -> tuple[Rows, dict[int, Value]]:
+        """Return what the next scan is to see, which begins: rows, and what came after them."""
         with self._lock:
-            taken, self.some, self._later = self.some, self._later, {}
+            rows, taken = self._rows, self._single
+            self._rows, self._single, self._later = {}, self._later, {}
+            self.some = bool(self._single)
             for index in self._frozen:
+                for slots, row in rows.items():
+                    if index in slots:
+                        self._frozen[index] = row[index - slots.start]
                 if index in taken:
                     self._frozen[index] = taken[index]
-        return taken
+        return rows, taken
 
     def moved(self, moves: Mapping[int, int]) -> PendingInputs:
         """Return what is pending for another program; ``moves`` maps its slots from the old."""
         result = PendingInputs()
         with self._lock:
-            result.some = _moved(self.some, moves)
+            result._single = _moved(self._take_apart(), moves)
+            result.some = bool(result._single)
             result._later = _moved(self._later, moves)
             result._frozen = _moved(self._frozen, moves)
         return result
@@ -131,6 +171,7 @@ class ProcessImage:
         self._forces: dict[int, Value] = {}
         self._behind: dict[int, Value] = {}  # values that wait behind a force
         self._outline = executable.outline
+        self._taken: tuple[Rows, Mapping[int, Value]] = ({}, {})
 
     def take_form(self, form: Form, state: State) -> None:
         """Go on with a state of another form: ``state``, whose values do not count."""
@@ -160,19 +201,27 @@ class ProcessImage:
         self._types[index] = self._slots[index].type
         return self._types[index]
 
-    def freeze(self) -> Mapping[int, Value]:
-        """Bring what is pending into the state, the inputs of one scan; return it by slot."""
-        taken = self.pending.take()
-        if not self._forces:
-            for index, value in taken.items():
-                self.state[index] = value
-            return taken
-        for index, value in taken.items():
-            if index in self._forces:
-                self._behind[index] = value
-            else:
-                self.state[index] = value
+    def freeze(self) -> None:
+        """Bring what is pending into the state, the inputs of one scan; :attr:`taken` tells it."""
+        rows, single = self.pending.take()
+        if self._forces:
+            rows, single = {}, self._keep_behind(by_slot(rows, single))
+        state = self.state
+        for slots, values in rows.items():
+            state[slots.start:slots.stop] = values
+        for index, value in single.items():
+            state[index] = value
+        self._taken = rows, single
+
+    def _keep_behind(self, taken: Mapping[int, Value]) -> dict[int, Value]:
+        """Let values wait that have a force before them; return the others."""
+        self._behind.update(
+            (index, value) for index, value in taken.items() if index in self._forces)
         return {index: value for index, value in taken.items() if index not in self._forces}
+
+    def taken(self) -> Mapping[int, Value]:
+        """Return what was brought in last, by slot."""
+        return by_slot(*self._taken)
 
     @property
     def forces(self) -> dict[int, Value]:

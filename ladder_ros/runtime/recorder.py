@@ -20,7 +20,7 @@ import queue
 import threading
 from typing import Any, TextIO
 
-from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.diagnostics import LadderError, Location, refusal_of
 from ladder_ros.executable import Executable, State
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.scan_cycle import Moment, ScanCycle
@@ -60,7 +60,7 @@ class TraceRecorder:
         try:
             self._file: TextIO = open(self.path, 'w', encoding='utf-8')  # noqa: SIM115
         except (OSError, ValueError) as error:  # a NUL in the name
-            reason = getattr(error, 'strerror', None) or str(error)
+            reason = refusal_of(error)
             raise LadderError.of('L0507', Location(file=self.path), reason=reason) from None
         self._cycle: ScanCycle | None = None
         self._version = -1
@@ -151,7 +151,7 @@ class TraceRecorder:
         try:
             action()
         except OSError as error:
-            self._error = error.strerror or str(error)
+            self._error = refusal_of(error)
 
     def _write(self, document: Any) -> None:
         self._file.write(json.dumps(document, separators=(',', ':')) + '\n')

@@ -5,13 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import json
 import math
 import os
 from typing import Any
 
-from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.diagnostics import LadderError, Location, refusal_of
 from ladder_ros.executable import Executable
 from ladder_ros.model.types import normalise, Value
 from ladder_ros.runtime.recorder import LATE, VERSION
@@ -91,10 +91,7 @@ def read_trace(path: str | os.PathLike[str]) -> tuple[Section, ...]:
 
     def close() -> None:
         if sections:
-            last = sections.pop()
-            sections.append(Section(**{
-                **{name: getattr(last, name) for name in Section.__slots__},
-                'scans': tuple(scans)}))
+            sections.append(replace(sections.pop(), scans=tuple(scans)))
             scans.clear()
 
     for line, document in _documents(file):
@@ -139,7 +136,7 @@ def _documents(file: str) -> Iterator[tuple[int, Any]]:
                 except (ValueError, RecursionError):
                     raise _bad(file, line, 'it is no recording of ladder_ros') from None
     except (OSError, ValueError) as error:  # no text, no name of a file
-        raise _bad(file, None, getattr(error, 'strerror', None) or str(error)) from None
+        raise _bad(file, None, refusal_of(error)) from None
 
 
 def _bad(file: str, line: int | None, reason: str) -> LadderError:

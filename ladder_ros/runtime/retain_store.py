@@ -17,7 +17,7 @@ import hashlib
 import json
 import os
 
-from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.diagnostics import LadderError, Location, refusal_of
 from ladder_ros.model.types import Value
 
 VERSION = 1
@@ -51,7 +51,7 @@ def save_retained(path: str, retained: Retained) -> None:
         with suppress(OSError):
             os.unlink(path + _NEW)  # the disk may be full because of it
         raise LadderError.of(
-            'L0524', Location(file=path), reason=error.strerror or str(error),
+            'L0524', Location(file=path), reason=refusal_of(error),
             expected='make room, or mend the folder; the program runs on, and saving is tried '
                      'again') from None
 
@@ -108,7 +108,7 @@ def load_retained(path: str) -> Retained | None:
         except FileNotFoundError:
             continue
         except OSError as error:
-            reasons.append(error.strerror or str(error))
+            reasons.append(refusal_of(error))
             continue
         try:
             return _decode(data, is_previous=name != path)
@@ -152,5 +152,5 @@ def forget_retained(path: str) -> None:
             continue
         except OSError as error:
             raise LadderError.of(
-                'L0524', Location(file=name), reason=error.strerror or str(error),
+                'L0524', Location(file=name), reason=refusal_of(error),
                 expected='remove the file by hand') from None

@@ -89,8 +89,9 @@ class ScanCycle:
         """Changes with everything but a scan that the next scan depends on."""
         self.now = 0
         """The program's time of the last scan."""
-        self.taken: Mapping[int, Value] = {}
-        """What the last scan found written to it, by slot."""
+        self.began = self.ended = 0
+        """When the last scan began and ended by the timer, in ns; 0 without one."""
+        self._has_taken = False
         self.executed = 0
         """How many instructions the last scan executed."""
         self._once = tuple(entry.name for entry in executable.entries if entry.once)
@@ -106,6 +107,11 @@ class ScanCycle:
     def state(self) -> State:
         """The values of all slots."""
         return self.image.state
+
+    @property
+    def taken(self) -> Mapping[int, Value]:
+        """What the last scan found written to it, by slot."""
+        return self.image.taken() if self._has_taken else {}
 
     @property
     def variant(self) -> Variant:
@@ -222,12 +228,18 @@ class ScanCycle:
         are due now.  ``lateness`` is how much after its deadline the scan begins.  Times in ns.
         Raises ProgramFault if the program fails; the state is then as the failure left it.
         """
+        # Few calls, for the reason that the controller has, too.
         self.now = now = now - self.offset
         self._current = None
-        self.taken = self.image.freeze() if self.image.pending.some else {}
-        timer, functions, state = self._timer, self._functions, self.image.state
-        observed = self.power is not None
-        start = began = timer() if timer is not None else 0
+        timer, functions, image = self._timer, self._functions, self.image
+        start = self.began = timer() if timer is not None else 0
+        if image.pending.some:
+            image.freeze()
+            self._has_taken = True
+            start = timer() if timer is not None else 0
+        else:
+            self._has_taken = False
+        state, observed, began = image.state, self.power is not None, start
         executed = 0
         if not self._started:
             self._started = True
@@ -259,6 +271,8 @@ class ScanCycle:
         self._scans += 1
         if self.power is not None:
             self.power[:] = map(any, zip(*self._powers.values(), strict=True))
+            start = timer() if timer is not None else 0
+        self.ended = start
 
     def _run_first(self, now: int) -> None:
         """Run what runs once."""

@@ -21,6 +21,8 @@ import platform
 import struct
 import threading
 
+from ladder_ros.diagnostics import refusal_of
+
 SLICE = 100_000
 """The shortest slice that the kernel gives, in ns."""
 _NICE = 19
@@ -60,7 +62,7 @@ def ask_for(wanted: RealTime) -> tuple[str, ...]:
             there = sorted(os.sched_getaffinity(0)) if hasattr(os, 'sched_getaffinity') else []
             refused.append(
                 f'the scan thread runs on any processor, not on {_listed(wanted.cpus)} '
-                f'({_reason(error)}): name some of {_listed(there)}')
+                f'({refusal_of(error)}): name some of {_listed(there)}')
     if wanted.lock_memory:
         libc = ctypes.CDLL(None, use_errno=True)
         if not hasattr(libc, 'mlockall') or libc.mlockall(_LOCK_ALL):
@@ -74,17 +76,13 @@ def ask_for(wanted: RealTime) -> tuple[str, ...]:
         except (AttributeError, OSError) as error:
             refused.append(
                 f'the scan thread has no real-time priority {wanted.priority} '
-                f'({_reason(error)}): raise the limit rtprio (ulimit -r) of the user, or give '
+                f'({refusal_of(error)}): raise the limit rtprio (ulimit -r) of the user, or give '
                 'the process CAP_SYS_NICE')
     return tuple(refused)
 
 
 def _listed(numbers: Iterable[int]) -> str:
     return ', '.join(map(str, sorted(numbers)))
-
-
-def _reason(error: Exception) -> str:
-    return getattr(error, 'strerror', None) or str(error)
 
 
 def wake_promptly() -> bool:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 import os
 
@@ -14,7 +14,7 @@ from ladder_ros.model.types import NS_PER_MS, Value
 from ladder_ros.runtime.listeners import DEFAULT_INTERVAL
 from ladder_ros.runtime.names import find_slot, named_slots
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
-from ladder_ros.runtime.trace_csv import format_rows, InputTable, read_inputs
+from ladder_ros.runtime.trace_csv import Change, format_rows, InputTable, read_inputs
 
 DEFAULT_SCANS = 100
 """Scans of a simulation that has no table of inputs."""
@@ -35,13 +35,18 @@ class Simulation:
     inputs: InputTable | None = None
 
     @property
+    def rows(self) -> tuple[tuple[Change, ...], ...]:
+        """What is written before each scan; nothing before those that have no row."""
+        return self.inputs.rows if self.inputs else ()
+
+    @property
     def header(self) -> tuple[str, ...]:
         """The names of the columns."""
         return tuple(slot.path for slot in self.slots)
 
     def __iter__(self) -> Iterator[tuple[Value, ...]]:
         cycle = ScanCycle(self.executable)
-        rows = self.inputs.rows if self.inputs else ()
+        rows = self.rows
         indices = [slot.index for slot in self.slots]
         for number in range(self.scans):
             for index, value in rows[number] if number < len(rows) else ():
@@ -53,9 +58,12 @@ class Simulation:
             state = cycle.state
             yield tuple(state[index] for index in indices)
 
-    def csv(self) -> Iterator[str]:
-        """Yield the lines of the table as CSV, the header first, each with its line end."""
-        return format_rows(self.slots, self)
+    def csv(self, rows: Iterable[tuple[Value, ...]] | None = None) -> Iterator[str]:
+        """Yield the lines of the table as CSV, the header first, each with its line end.
+
+        ``rows`` are those that it has if somebody else has run it.
+        """
+        return format_rows(self.slots, self if rows is None else rows)
 
 
 def _fault_error(reason: str, entry: str, scan: int) -> LadderError:

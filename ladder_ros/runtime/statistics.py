@@ -48,6 +48,9 @@ class Share:
 class Recorder:
     """Collects the statistics; the scan thread writes, anyone reads."""
 
+    __slots__ = ('_earliest', '_last', '_latest', '_least', '_most', '_overruns', '_scans',
+                 '_skipped', '_sum')
+
     def __init__(self) -> None:
         self._scans = 0
         self._overruns = 0
@@ -79,11 +82,12 @@ class Recorder:
 
         Returns its number, the first is 0.
         """
+        number = self._scans
+        self._scans = number + 1
         self._last = execution
         self._sum += execution
-        if not self._scans:
+        if not number:
             self._least, self._earliest = execution, lateness
-        self._scans += 1
         if execution < self._least:
             self._least = execution
         if execution > self._most:
@@ -92,7 +96,7 @@ class Recorder:
             self._earliest = lateness
         if lateness > self._latest:
             self._latest = lateness
-        return self._scans - 1
+        return number
 
     def overrun(self) -> None:
         """Note that an execution was not over when the next one was due."""

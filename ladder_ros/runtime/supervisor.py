@@ -52,29 +52,31 @@ class Supervisor:
         self._give_up = give_up
         self._lock = threading.Lock()
         self._stopped = threading.Event()
-        self._ident: int | None = None
-        self._scan = 0
-        self._seen: tuple[int, str] = (0, '')
+        self._ident = 0
+        self._seen: tuple[int | None, str] = (None, '')
         self._since = 0
         self._broken: int | None = None
+        self.scan: int | None = None
+        """Number of the scan to be watched, None between two: the scan thread says so.
 
-    def begin_scan(self) -> None:
-        """Watch what the calling thread does from now on.
-
-        If it takes too long it raises LadderError at any place, until :meth:`end_scan` returns.
+        If it takes too long it raises LadderError at any place.  Who sets this to None then looks
+        at :attr:`intervenes`, and calls :meth:`settle` if that is so: without a lock, because one
+        of the two is seen by the other's thread.
         """
-        self._scan += 1
-        self._ident = threading.get_ident()
+        self.intervenes = False
+        """Whether a scan is being broken off, or has just been."""
 
-    def end_scan(self) -> None:
-        """Watch it no more."""
+    def settle(self) -> None:
+        """Let what is raised in the calling thread, which has ended a scan, arrive."""
         with self._lock:
-            self._ident = None
+            self.intervenes = False
         for _ in range(2):  # what was raised a moment ago arrives here, and no later
             pass
 
-    def begin(self) -> None:
-        """Watch until :meth:`end`."""
+    def begin(self, ident: int) -> None:
+        """Watch the scans of a thread until :meth:`end`."""
+        self._ident = ident
+        self._seen, self._broken = (None, ''), None
         stopped = self._stopped = threading.Event()
 
         def run() -> None:
@@ -90,22 +92,31 @@ class Supervisor:
 
     def _is_lost(self) -> bool:
         """Look; break off what takes too long; say whether that was of no use."""
-        with self._lock:
-            if self._ident is None:
-                return False
-            limit, now = self._limit(), _CLOCK.now()
-            if self._seen != (self._scan, limit.name):
-                self._seen, self._since, self._broken = (self._scan, limit.name), now, None
-            took = now - self._since
-            if self._broken is None:
-                if took > limit.longest:
-                    self._broken = now
-                    _raise_in(self._ident, limit.error(took))
-                return False
-            if now - self._broken <= GRACE:
-                return False
+        scan = self.scan
+        if scan is None:
+            return False
+        limit, now = self._limit(), _CLOCK.now()
+        if self._seen != (scan, limit.name):
+            self._seen, self._since, self._broken = (scan, limit.name), now, None
+        took = now - self._since
+        if self._broken is None:
+            if took > limit.longest:
+                self._broken = now
+                self._break_off(scan, limit.error(took))
+            return False
+        if now - self._broken <= GRACE:
+            return False
         self._give_up(limit.error(took))
         return True
+
+    def _break_off(self, scan: int, error: LadderError) -> None:
+        """Raise an error in the scan thread if it still makes this scan."""
+        with self._lock:
+            self.intervenes = True
+            if self.scan == scan:
+                _raise_in(self._ident, error)
+            else:
+                self.intervenes = False
 
 
 def _raise_in(ident: int, error: LadderError) -> None:

@@ -60,6 +60,9 @@ def endless(name: str) -> Limit:
 class RunningTask:
     """A task of a program that runs; bodies without a task are tasks of their own."""
 
+    __slots__ = ('_trips_in_a_row', 'always', 'bodies', 'entry', 'instructions', 'parts', 'ratio',
+                 'recorder', 'sensed', 'single', 'trips')
+
     def __init__(self, entry: TaskEntry, bodies: Sequence[str], executable: Executable) -> None:
         """Make it ready to run for the first time."""
         self.entry = entry

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import io
 import os
 
-from ladder_ros.diagnostics import Diagnostic, LadderError, Location, problem
+from ladder_ros.diagnostics import Diagnostic, LadderError, Location, problem, refusal_of
 from ladder_ros.executable import Executable, Slot
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.names import find_slot
@@ -68,7 +68,7 @@ def _read_text(file: str) -> str:
         with open(file, 'rb') as stream:
             data = stream.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
-        reason = getattr(error, 'strerror', None) or str(error)
+        reason = refusal_of(error)
         raise _unreadable(file, None, reason, 'check the path and the permissions') from None
     if len(data) > MAX_BYTES:
         raise _unreadable(file, None, 'it is too large', f'the limit is {MAX_BYTES} bytes')

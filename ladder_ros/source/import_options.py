@@ -18,7 +18,7 @@ import json
 from pathlib import Path
 
 from ladder_ros.diagnostics import LadderError, Location
-from ladder_ros.model.program import Body, Composite, Order, Program
+from ladder_ros.model.program import Order, Program, with_rungs
 from ladder_ros.source.xml_tree import read_file
 
 LARGEST = 10_000
@@ -67,21 +67,9 @@ def import_options(program: str) -> ImportOptions:
 
 def with_options(program: Program, options: ImportOptions) -> Program:
     """Return an imported program understood as the options say."""
-    if options.order is None and not options.stubs:
+    program = replace(program, stubs=options.stubs)
+    order = options.order
+    if order is None:
         return program
-    return replace(
-        program, stubs=options.stubs,
-        composites=tuple(_ordered(composite, options.order) for composite in program.composites),
-        bodies=tuple(_ordered_body(body, options.order) for body in program.bodies))
-
-
-def _ordered(composite: Composite, order: Order | None) -> Composite:
-    if order is None:
-        return composite
-    return replace(composite, rungs=tuple(replace(r, order=order) for r in composite.rungs))
-
-
-def _ordered_body(body: Body, order: Order | None) -> Body:
-    if order is None:
-        return body
-    return replace(body, rungs=tuple(replace(r, order=order) for r in body.rungs))
+    return with_rungs(program, lambda pou: tuple(
+        replace(rung, order=order) for rung in pou.rungs))

@@ -20,7 +20,7 @@ from typing import TypeVar
 
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location
 from ladder_ros.source.grammar import MAX_POUS
-from ladder_ros.source.xml_tree import read_file
+from ladder_ros.source.xml_tree import read_file, too_large
 
 _Node = TypeVar('_Node')
 
@@ -52,9 +52,7 @@ def pou_files(folder: Path) -> list[Path]:
         else:
             found[key[0], path.name.casefold()] = path
         if len(found) > MAX_POUS:
-            raise LadderError.of(
-                'L0107', Location(file=os.fspath(folder)), what=f'more than {MAX_POUS} POUs',
-                limit=f'{MAX_POUS} POUs')
+            raise too_large(Location(file=os.fspath(path)), 'POUs', MAX_POUS)
     return sorted(path for path in found.values())
 
 
@@ -66,9 +64,7 @@ def is_drawn_pou(data: bytes) -> bool:
 def _files(folder: Path) -> Iterator[Path]:
     for count, (inside, _, names) in enumerate(os.walk(folder)):
         if count > _MAX_FOLDERS:
-            raise LadderError.of(
-                'L0107', Location(file=os.fspath(folder)),
-                what=f'more than {_MAX_FOLDERS} folders', limit=f'{_MAX_FOLDERS} folders')
+            raise too_large(Location(file=inside), 'folders', _MAX_FOLDERS)
         for name in names:
             path = Path(inside, name)
             if path.suffix.lower() in _BY_NAME:

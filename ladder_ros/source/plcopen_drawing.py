@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cmp_to_key
 
-from ladder_ros.diagnostics import LadderError, Location, problem
+from ladder_ros.diagnostics import Location
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import (
     Argument,
@@ -23,6 +23,7 @@ from ladder_ros.model.component import (
     Jump,
     Label,
     OutVariable,
+    page_order,
     PinEdge,
     PinModifier,
     Placement,
@@ -35,15 +36,13 @@ from ladder_ros.source.plcopen_pins import Pin, Pins, read_pins, Signature
 from ladder_ros.source.plcopen_project import child, children, prose, text_holder, vendor_data
 from ladder_ros.source.plcopen_report import Report
 from ladder_ros.source.plcopen_values import coordinate
-from ladder_ros.source.xml_tree import Element
+from ladder_ros.source.xml_tree import Element, too_large
 
 _SOME_WIRES, _WIRES_EACH = 100_000, 8
 """Wires that any drawing may have, and more for each component: connectors can multiply them."""
 _MAX_LINKS = 100
 """Connectors and continuations in a row."""
 _MAX_COMMENT = 2000
-_SAME_LINE = 10
-"""Elements whose heights differ by less stand on one line, for editors of this format."""
 
 _SILENT = frozenset({
     'comment', 'vendorElement', 'error', 'rightPowerRail', 'leftPowerRail', 'addData',
@@ -143,10 +142,10 @@ class _Reader:
     # -- parts ------------------------------------------------------------------------------
 
     def add_part(self, element: Element) -> None:
-        if len(self.parts) >= MAX_COMPONENTS:
-            raise self.too_large('components', MAX_COMPONENTS)
         x, y = self.position(element)
         place = self.report.at(element, (x, y))
+        if len(self.parts) >= MAX_COMPONENTS:
+            raise too_large(place, 'components in a drawing', MAX_COMPONENTS)
         own = element.attributes.get('localId', '').strip()
         if not own:
             self.report.odd(place, f'a <{element.tag}> without a localId', 'one with a new id')
@@ -186,11 +185,6 @@ class _Reader:
     def user(self, element: Element) -> Signature | None:
         return self.signatures.get(_type_name(element).casefold())
 
-    def too_large(self, what: str, limit: int) -> LadderError:
-        return LadderError([problem(
-            'L0107', self.report.at(self.body), what=f'more than {limit} {what} in a drawing',
-            limit=f'{limit} {what}')])
-
     # -- wires ------------------------------------------------------------------------------
 
     def connect(self, part: _Part) -> None:
@@ -213,13 +207,13 @@ class _Reader:
             for source in self.sources(connection):
                 self.wires[Wire(source=source, target=target)] = None
                 self.used |= {source.component, target.component}
-                self.check_wires(len(self.wires))
+                self.check_wires(len(self.wires), connection)
 
-    def check_wires(self, count: int) -> None:
+    def check_wires(self, count: int, connection: Element) -> None:
         """Raise LadderError (L0107) for more wires than a drawing of so many parts needs."""
         limit = _SOME_WIRES + _WIRES_EACH * len(self.parts)
         if count > limit:
-            raise self.too_large('wires', limit)
+            raise too_large(self.report.at(connection), 'wires in a drawing', limit)
 
     def sources(self, connection: Element) -> tuple[Port, ...]:
         """Return the ports that a connection starts at: none if it dangles."""
@@ -266,7 +260,7 @@ class _Reader:
             self.depth -= 1
             self.continued[name] = tuple(found)
             self.linked += len(found)
-            self.check_wires(self.linked)
+            self.check_wires(self.linked, connection)
         return self.continued[name]
 
     # -- components -------------------------------------------------------------------------
@@ -470,7 +464,7 @@ class _Reader:
             numbers.update(self.label_numbers(numbers))
             first = sorted((c for c in components if c.id in numbers), key=lambda c: numbers[c.id])
             rest = [c for c in components if c.id not in numbers]
-            return first + sorted(rest, key=cmp_to_key(_by_position)), Order.DOCUMENT
+            return first + sorted(rest, key=cmp_to_key(page_order)), Order.DOCUMENT
         places = {(c.placement.x, c.placement.y) for c in components}
         return components, Order.DOCUMENT if len(places) <= 1 else Order.POSITION_ALL
 
@@ -484,11 +478,6 @@ def _is_negated_jump(element: Element) -> bool:
     marks = [mark for data in children(element, 'addData') for part in children(data, 'data')
              for mark in children(part, 'negated')]
     return _flag(element, 'negated') or any(_flag(mark, 'value') for mark in marks)
-
-
-def _by_position(first: Component, second: Component) -> int:
-    a, b = first.placement, second.placement
-    return a.x - b.x if abs(a.y - b.y) < _SAME_LINE else a.y - b.y
 
 
 def _connections(element: Element) -> Iterator[Element]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 import re
 
-from ladder_ros.diagnostics import LadderError, Location, problem
+from ladder_ros.diagnostics import Location
 from ladder_ros.model.derived import elementary, Initial, LEAF_LIMIT, leaves, Type
 from ladder_ros.model.program import Direction, Parameter, Variable, VariableClass
 from ladder_ros.model.types import Value
@@ -18,7 +18,7 @@ from ladder_ros.source.plcopen_project import child, children, prose
 from ladder_ros.source.plcopen_report import Report
 from ladder_ros.source.plcopen_types import BlockType, NoType, Typed, Types
 from ladder_ros.source.plcopen_values import read_initial
-from ladder_ros.source.xml_tree import Element
+from ladder_ros.source.xml_tree import Element, too_large
 
 _MAX_LEAVES = 10 * LEAF_LIMIT
 _MAX_COMMENT = 500
@@ -144,7 +144,7 @@ class Declarations:
         for inner in children(element, 'variable'):
             self._count += 1
             if self._count > MAX_VARIABLES:
-                raise self._too_large(inner, 'variables', MAX_VARIABLES)
+                raise too_large(self._report.at(inner), 'variables', MAX_VARIABLES)
             name = inner.attributes.get('name', '').strip()
             if not name or name.casefold() in into.known:
                 self._report.add('L0140', inner, name=name or 'a variable without a name')
@@ -168,7 +168,8 @@ class Declarations:
             case Typed():
                 self._leaves += self._types.size(found.type)
                 if self._leaves > _MAX_LEAVES:
-                    raise self._too_large(element, 'elementary values', _MAX_LEAVES)
+                    raise too_large(
+                        self._report.at(element), 'elementary values', _MAX_LEAVES)
                 declaration = self._declaration(element, name, found, group, section, constants)
                 external = section is Section.EXTERNAL
                 (into.externals if external else into.declarations).append(declaration)
@@ -240,11 +241,6 @@ class Declarations:
             return guess, VariableClass.LOCAL
         self._report.add('L0137', element, address=text, name=name)
         return '', VariableClass.LOCAL
-
-    def _too_large(self, element: Element, what: str, limit: int) -> LadderError:
-        return LadderError([problem(
-            'L0107', self._report.at(element), what=f'more than {limit} {what}',
-            limit=f'{limit} {what}')])
 
 
 def _completed(initial: Initial, found: Typed) -> Initial:

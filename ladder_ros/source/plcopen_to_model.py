@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-import os
 import re
 
 from ladder_ros.diagnostics import LadderError, Location, problem
@@ -53,7 +52,7 @@ from ladder_ros.source.xml_tree import (
     Element,
     Findings,
     parse_tree,
-    read_file,
+    too_large,
     TooManyProblemsError,
 )
 
@@ -63,16 +62,11 @@ _WARNED = 'the warnings say why'
 _LANGUAGES = frozenset({'LD', 'FBD', 'ST', 'IL', 'SFC'})
 
 
-def read_project(path: str | os.PathLike[str]) -> Program:
-    """Read a project file.  Raises LadderError with what keeps it from being read."""
-    return parse_project(read_file(path), os.fspath(path))
-
-
 def parse_project(data: bytes, file: str = '') -> Program:
     """Read a project from the bytes of a file; ``file`` is its name in locations.
 
-    What was survived is in the program's ``warnings``.  Raises LadderError as
-    :func:`read_project` does.
+    What was survived is in the program's ``warnings``.  Raises LadderError with what keeps it
+    from being read.
     """
     findings = Findings()
     try:
@@ -171,9 +165,7 @@ class _Importer:
             self.words[name.casefold()] = set(_words(element))
             self.calls[name.casefold()] = set(_calls(element))
         if len(self.project.pous) > MAX_POUS:
-            place = self.report.at(self.project.pous[MAX_POUS])
-            raise LadderError([problem(
-                'L0107', place, what=f'more than {MAX_POUS} POUs', limit=f'{MAX_POUS} POUs')])
+            raise too_large(self.report.at(self.project.pous[MAX_POUS]), 'POUs', MAX_POUS)
 
     def needed(self, schedule: Schedule) -> set[str]:
         """Return the POUs that something may run, by what runs calls or declares."""

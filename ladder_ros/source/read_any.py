@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 import hashlib
+from itertools import islice
 import os
 from pathlib import Path
 import zlib
@@ -25,9 +26,14 @@ from ladder_ros.source.xml_again import parse_again, Reading
 from ladder_ros.source.xml_to_model import parse_program
 from ladder_ros.source.xml_tree import read_file, root_element
 
+BEREMIZ_FILE = 'plc.xml'
+"""What holds the program in the project folders of Beremiz and of older OpenPLC Editors."""
+_SUFFIXES = ('.xml', '.st')
+_MOST_LISTED = 1000
+
 
 def read_any(path: str | os.PathLike[str]) -> Program:
-    """Read a program: our own XML, PLCopen TC6 XML, or the folder of an OpenPLC v4 project.
+    """Read a program: our own XML, PLCopen TC6 XML, Structured Text, or an OpenPLC v4 project.
 
     Raises LadderError with what keeps it from being read.
     """
@@ -40,7 +46,7 @@ def read_any(path: str | os.PathLike[str]) -> Program:
 
 @collected_later()
 def parse_any(data: bytes, file: str = '') -> Program:
-    """Read a program from the bytes of an XML file; ``file`` is its name in locations."""
+    """Read a program from the bytes of one file; ``file`` is its name in locations."""
     if is_st(data):
         if is_drawn_pou(data):
             raise LadderError.of('L0153', Location(file=file, line=1), name=Path(file).name)
@@ -71,7 +77,8 @@ def parse_next(data: bytes, file: str, earlier: Reading | None) -> Reading:
 def openplc_folder(path: str) -> Path | None:
     """Return the folder of an OpenPLC v4 project that a path means, or None if it means none.
 
-    A file of a POU means the project that it belongs to.
+    A file of a POU means the project that it belongs to.  Raises LadderError L0109 for a folder
+    that is no such project.
     """
     try:
         given = Path(path)
@@ -80,9 +87,27 @@ def openplc_folder(path: str) -> Path | None:
         if given.is_file():
             return next((above.parent for above in given.absolute().parents
                          if above.name == POUS and (above.parent / PROJECT_FILE).is_file()), None)
-        return given if given.is_dir() and (given / PROJECT_FILE).is_file() else None
+        if not given.is_dir():
+            return None
+        if (given / PROJECT_FILE).is_file():
+            return given
+        names = sorted(islice((entry.name for entry in given.iterdir()), _MOST_LISTED))
     except (OSError, ValueError):  # a NUL in the path: reading it says so
         return None
+    raise LadderError.of('L0109', Location(file=path), help=_instead(given, names), reason=(
+        f'it is a folder, and no project of OpenPLC Editor 4: it has no {PROJECT_FILE}'))
+
+
+def _instead(folder: Path, names: Sequence[str]) -> str:
+    """Return what to give instead of a folder that holds these."""
+    if BEREMIZ_FILE in names:
+        return (f'Beremiz, and OpenPLC Editor before version 4, keep the program in the file '
+                f'{BEREMIZ_FILE}: give {folder / BEREMIZ_FILE}')
+    programs = [name for name in names if Path(name).suffix.casefold() in _SUFFIXES]
+    if not programs:
+        return f'give a program, a file; there is none that ends in {" or ".join(_SUFFIXES)} in it'
+    more = f' or {len(programs) - 3} more' if len(programs) > 3 else ''
+    return f'give one of its files: {", ".join(programs[:3])}{more}'
 
 
 def file_hash(data: bytes, file: str) -> str:

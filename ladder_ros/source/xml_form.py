@@ -7,22 +7,24 @@ Whoever reads elements asks a :class:`Form` for their parts; it reports what is 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 import difflib
 from enum import Enum
 from functools import cache
+from itertools import accumulate
 import math
 import re
 import textwrap
 from typing import TypeVar
 
-from ladder_ros.diagnostics import Location, problem
+from ladder_ros.diagnostics import LadderError, Location, problem
+from ladder_ros.model.component import Component
 from ladder_ros.model.names import MAX_NAME, why_illegal
 from ladder_ros.model.types import DataType, default_value, parse_literal, parse_time, Value
 from ladder_ros.nouns import maker
 from ladder_ros.source import grammar
 from ladder_ros.source.grammar import Rule, RULES
-from ladder_ros.source.xml_tree import Element, Findings
+from ladder_ros.source.xml_tree import Element, Findings, too_large
 
 _Word = TypeVar('_Word', bound=Enum)
 
@@ -80,13 +82,25 @@ class Form:
         self.report('L0106', element, f'{attribute}="{value}"', help=expected,
                     attribute=attribute, element=element.tag, expected=expected)
 
-    def count(self, element: Element, what: str, limit: int, amount: int = 1) -> None:
-        """Count towards a limit; raises LadderError when it is passed."""
-        total = self.counts[what] = self.counts.get(what, 0) + amount
+    def count(self, element: Element, what: str, limit: int) -> None:
+        """Count one towards a limit; raises LadderError when it is passed."""
+        total = self.counts[what] = self.counts.get(what, 0) + 1
         if total > limit:
-            raise self.findings.stop(problem(
-                'L0107', self.here(element), what=f'more than {limit} {what}',
-                limit=f'{limit} {what}'))
+            raise self._passed(self.here(element), what, limit)
+
+    def count_all(
+        self, what: str, limit: int, amounts: Sequence[int], of: Sequence[Component],
+    ) -> None:
+        """Count amounts ``of`` components; raises LadderError at the one that passes the limit."""
+        before = self.counts.get(what, 0)
+        total = self.counts[what] = before + sum(amounts)
+        if total > limit:
+            first = next(number for number, so_far in enumerate(accumulate(amounts))
+                         if before + so_far > limit)
+            raise self._passed(of[first].location, what, limit)
+
+    def _passed(self, place: Location, what: str, limit: int) -> LadderError:
+        return self.findings.stop(too_large(place, what, limit).diagnostics[0])
 
     # -- form -------------------------------------------------------------------------------
 

@@ -100,14 +100,13 @@ class RungReader:
         """Return a rung of an earlier reading, at the place where it is now."""
         file, pou = self._form.file, self._form.pou
         rung = next((rung for rung in known if rung.location.pou == pou), known[0])
-        self._form.count(element, 'components', grammar.MAX_COMPONENTS, len(rung.components))
-        self._count_cells(element, rung.components)
         place = rung.location
         by = element.line - (place.line or 0)
         if by or place.pou != pou or place.file != file:
             moved = _moved(rung, file, pou, by)
             self.moved[id(moved)] = rung
             rung = moved
+        self._count(rung.components)
         self.uses += [(component.composite, component.location, False)
                       for component in rung.components if isinstance(component, Instance)]
         return rung
@@ -119,22 +118,23 @@ class RungReader:
         identifier, place = self._form.identifier(element), self._form.here(element)
         width = self._form.size(element, 'width')
         children = self._form.children(element, rule)
-        self._form.count(element, 'components', grammar.MAX_COMPONENTS, len(element.children))
         components = tuple([self._component(child) for child in children])
-        self._count_cells(element, components)
+        self._count(components)
         self._form.rung_id = ''
         return _rung(
             id=identifier, width=width, components=components,
             comment=element.attributes.get('comment', ''), location=place)
 
-    def _count_cells(self, element: Element, components: Sequence[Component]) -> None:
-        self._form.count(element, 'cells', grammar.MAX_CELLS, sum(
-            [component.placement.width * component.placement.height for component in components]))
+    def _count(self, components: Sequence[Component]) -> None:
+        count = self._form.count_all
+        count('components', grammar.MAX_COMPONENTS, [1] * len(components), components)
+        count('cells', grammar.MAX_CELLS, [
+            component.placement.width * component.placement.height for component in components],
+            components)
 
     def alone(self, element: Element) -> Rung:
         """Return the rung that an instance fills: it stands for both."""
         self._form.count(element, 'rungs', grammar.MAX_RUNGS)
-        self._form.count(element, 'components', grammar.MAX_COMPONENTS)
         rule = RULES['body/instance']
         self._form.rung_id = shown(element.attributes.get('rung', ''))
         self._form.check(element, rule)
@@ -144,7 +144,7 @@ class RungReader:
         instance = self._instance(
             element, grammar.INSTANCE_ALONE, placement,
             [self._argument(child) for child in self._form.children(element, rule)])
-        self._count_cells(element, (instance,))
+        self._count((instance,))
         self._form.cell = None
         self._form.rung_id = ''
         return _rung(

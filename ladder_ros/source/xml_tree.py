@@ -19,7 +19,7 @@ import re
 import stat
 from xml.parsers import expat
 
-from ladder_ros.diagnostics import Diagnostic, LadderError, Location, problem
+from ladder_ros.diagnostics import Diagnostic, LadderError, Location, problem, refusal_of
 from ladder_ros.nouns import maker
 
 MAX_BYTES = 128 * 1024 * 1024
@@ -98,7 +98,7 @@ def read_file(path: str | os.PathLike[str]) -> bytes:
         # Opening a named pipe must not wait for somebody who writes to it.
         descriptor = os.open(name, os.O_RDONLY | getattr(os, 'O_NONBLOCK', 0))
     except OSError as error:
-        raise LadderError.of('L0109', place, reason=error.strerror or str(error)) from None
+        raise LadderError.of('L0109', place, reason=refusal_of(error)) from None
     except ValueError as error:  # a NUL or a lone surrogate in the path
         raise LadderError.of('L0109', place, reason=str(error)) from None
     try:
@@ -112,11 +112,11 @@ def read_file(path: str | os.PathLike[str]) -> bytes:
             if len(data) > status.st_size:
                 data += file.read(MAX_BYTES + 1 - len(data))
     except OSError as error:
-        raise LadderError.of('L0109', place, reason=error.strerror or str(error)) from None
+        raise LadderError.of('L0109', place, reason=refusal_of(error)) from None
     finally:
         os.close(descriptor)
     if len(data) > MAX_BYTES:
-        raise _too_large(place, 'bytes', MAX_BYTES)
+        raise too_large(place, 'bytes', MAX_BYTES)
     return data
 
 
@@ -157,7 +157,7 @@ def parse_tree(
     """
     place = Location(file=file)
     if len(data) > MAX_BYTES:
-        raise findings.stop(_too_large(place, 'bytes', MAX_BYTES).diagnostics[0])
+        raise findings.stop(too_large(place, 'bytes', MAX_BYTES).diagnostics[0])
     text = _decode(data, file)
     if (offset := _document_type(text)) is not None:
         line = text.count('\n', 0, offset) + 1
@@ -174,7 +174,8 @@ def parse_tree(
     return root
 
 
-def _too_large(place: Location, what: str, limit: int) -> LadderError:
+def too_large(place: Location, what: str, limit: int) -> LadderError:
+    """Return the error for more than there may be of something (L0107)."""
     return LadderError.of(
         'L0107', place, what=f'more than {limit} {what}', limit=f'{limit} {what}')
 
@@ -273,7 +274,7 @@ class _Reading:
         return Location(file=self.file, line=self.parser.CurrentLineNumber)
 
     def stop(self, what: str, limit: int) -> LadderError:
-        return self.findings.stop(_too_large(self.here(), what, limit).diagnostics[0])
+        return self.findings.stop(too_large(self.here(), what, limit).diagnostics[0])
 
     def enter(self, tag: str, attributes: dict[str, str], namespace: str = '') -> None:
         self.count += 1

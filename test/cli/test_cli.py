@@ -226,7 +226,29 @@ def test_simulate_when_json_is_asked_for_then_rows_are_in_the_document(inside: I
     assert document['rows'] == [['1', '0'], ['1', '10'], ['1', '20'], ['0', '0']]
 
 
+@pytest.mark.parametrize('backend', session.BACKENDS)
+def test_simulate_when_given_a_folder_of_tables_then_each_has_its_results(
+    folder: Path, inside: Inside, backend: str
+) -> None:
+    (folder / 'cases').mkdir()
+    texts = {'long.csv': 'start\n1\n0\n1\n', 'other.CSV': 'start,stop\n1,\n,1\n',
+             'short.csv': 'start\n0\n'}
+    for name, text in texts.items():
+        (folder / 'cases' / name).write_text(text)
+    run = inside('simulate', 'seal_in.xml', '--inputs', 'cases', '--into', 'new/results',
+                 '--backend', backend)
+    assert run.returncode == 0
+    assert run.stdout.splitlines()[0] == '3 scans are in new/results/long.csv'
+    for name in texts:
+        alone = inside('simulate', 'seal_in.xml', '--inputs', f'cases/{name}')
+        assert (folder / 'new' / 'results' / name).read_bytes().decode() == alone.stdout
+
+
 @pytest.mark.parametrize(('args', 'code'), [
+    (('--inputs', '.'), 'L0514'), (('--into', 'out'), 'L0514'),
+    (('--inputs', 'in.csv', '--into', '.'), 'L0514'),
+    (('--inputs', 'in.csv', '--into', 'seal_in.xml'), 'L0507'),
+    (('--inputs', 'nothing', '--into', 'out'), 'L0501'),
     (('--inputs', 'missing.csv'), 'L0501'), (('--watch', 'motr'), 'L0502'),
     (('--inputs', 'bad.csv'), 'L0503'), (('--interval', '0ms'), 'L0505'),
     (('--interval', 'soon'), 'L0505'), (('-o', 'no/such/folder.csv'), 'L0507')])
@@ -234,6 +256,7 @@ def test_simulate_when_asked_for_the_impossible_then_a_diagnostic_says_why(
     folder: Path, inside: Inside, args: tuple[str, ...], code: str
 ) -> None:
     (folder / 'bad.csv').write_text('start\nmaybe\n')
+    (folder / 'nothing').mkdir()
     run = inside('simulate', 'seal_in.xml', *args)
     assert run.returncode == 1
     assert f'error {code}' in run.stderr

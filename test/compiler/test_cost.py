@@ -16,9 +16,10 @@ import pytest
 from compiler.agreement import assert_same, executable, Machine, QUICK
 from compiler.large import bridges, mesh, nested, SHAPES, stages_of_two
 from ladder_ros.compiler.backends import BACKENDS
+from ladder_ros.compiler.checks import check_size
 from ladder_ros.compiler.dump import dump_stage, STAGES
 from ladder_ros.compiler.il_text import parse_il, print_il
-from ladder_ros.compiler.pipeline import check_program, compile_program
+from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.drawing.rung_text import draw_program
 from ladder_ros.model.program import CallKind, Program
@@ -116,11 +117,7 @@ def test_composites_when_nested_too_deep_then_are_refused(call: CallKind, levels
 @pytest.mark.slow
 @pytest.mark.parametrize('call', CallKind)
 def test_composites_when_they_are_just_small_enough_then_compile(call: CallKind) -> None:
-    levels = 1
-    while not any(d.code == 'L0401' for d in check_program(nested(levels + 1, call, 2))):
-        levels += 1
-        if levels == 13:
-            break
+    levels = next(n for n in range(1, 14) if n == 13 or check_size(nested(n + 1, call, 2)))
     machine = Machine(nested(levels, call, 2))
     machine.scan()
     assert len(machine.variables()) > 2 ** (levels - 1)

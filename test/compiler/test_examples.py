@@ -16,7 +16,7 @@ from compiler.agreement import assert_agreement, case_program, CASES, Machine
 from ladder_ros.compiler.aov import Aov
 from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.compiler.dump import dump_stage
-from ladder_ros.compiler.pipeline import analyse
+from ladder_ros.compiler.stages import analyse
 from ladder_ros.model.types import NS_PER_MS
 
 NAMES = sorted(path.stem for path in CASES.glob('*.xml'))

@@ -27,9 +27,8 @@ from compiler.agreement import assert_same, Machine
 from ladder_ros.compiler.program_to_plcopen import write_plcopen
 from ladder_ros.compiler.program_to_st import write_il, write_st
 from ladder_ros.compiler.program_to_xml import write_xml
-from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import SlotClass
-from ladder_ros.model.program import Body, Composite, Order, Program, RunKind
+from ladder_ros.model.program import Body, Composite, Order, Program
 from ladder_ros.model.types import DataType, Value
 from ladder_ros.source import SCHEMA
 from ladder_ros.source.model_to_xml import write_program
@@ -173,13 +172,6 @@ def test_random_program_when_exported_and_read_back_then_runs_the_same(
 ) -> None:
     with usual_blocks():
         case = random_case(Random(seed), Wishes())
-    starts = [body for body in case.program.bodies if body.run is RunKind.ONCE]
-    if DRAWN_FORMS[form][0] is write_plcopen and starts:
-        try:
-            write_plcopen(case.program)
-        except LadderError as error:  # a block in what runs once
-            assert [d.code for d in error.diagnostics] == ['L0511']
-            return
     assert_same_history(case, form)
 
 
@@ -221,18 +213,64 @@ def test_plcopen_when_written_then_no_element_has_a_number_that_only_some_reader
         read_any(ROOT / 'programs' / 'elevator_3_floor_flat.xml'))
 
 
-def test_plcopen_when_a_block_runs_once_then_l0511() -> None:
-    program = parse_program(
-        b'<ladder version="1" name="p"><variables>'
-        b'<variable name="a" class="output" type="BOOL"/></variables>'
-        b'<body name="startup" run="once"><rung id="1" width="3">'
-        b'<block id="t" x="0" y="0" width="2" type="R_TRIG" instance="t1"/>'
-        b'<coil id="b" x="2" y="0" operand="a"/></rung></body>'
-        b'<body name="main"><rung id="1" width="1"><coil id="b" x="0" y="0" operand="a"/></rung>'
-        b'</body></ladder>', 'p.xml')
-    with pytest.raises(LadderError) as caught:
-        write_plcopen(program)
-    assert [d.code for d in caught.value.diagnostics] == ['L0511']
+EDGE = ('<rung id="1" width="4"><contact id="a" x="0" y="0" operand="on"/>'
+        '<block id="t" x="1" y="0" width="2" type="R_TRIG" instance="edge"/>'
+        '<coil id="b" x="3" y="0" operand="begun" kind="set"/></rung>')
+LOOK = ('<rung id="{}" width="2"><contact id="a" x="0" y="0" operand="edge.Q"/>'
+        '<coil id="b" x="1" y="0" operand="seen" kind="set"/></rung>')
+COUNT = ('<rung id="7" width="3"><contact id="a" x="0" y="0" operand="on"/>'
+         '<block id="c" x="1" y="0" width="1" height="3" type="CTU" instance="count">'
+         '<input pin="PV" operand="3"/><output pin="CV" operand="n"/></block>'
+         '<coil id="b" x="2" y="0" operand="full"/></rung>')
+ADD = '<st>n := n + 5; IF edge.Q THEN begun := TRUE; END_IF;</st>'
+
+
+def bodies(*texts: str) -> Program:
+    """Return a program of bodies; each is its attributes and what is in it."""
+    drawn = ''.join(f'<body name="b{number}" {attributes}>{inner}</body>' for number, (
+        attributes, inner) in enumerate(text.split('|') for text in texts))
+    return parse_program((
+        '<ladder version="1" name="p"><variables>'
+        '<variable name="on" class="input" type="BOOL"/>'
+        '<variable name="begun" class="output" type="BOOL"/>'
+        '<variable name="seen" class="output" type="BOOL"/>'
+        '<variable name="full" class="output" type="BOOL"/>'
+        '<variable name="n" class="output" type="INT"/></variables>'
+        '<tasks><task name="fast" interval="T#10ms" priority="1"/>'
+        f'<task name="slow" interval="T#20ms" priority="2"/></tasks>{drawn}</ladder>'
+    ).encode(), 'p.xml')
+
+
+@pytest.mark.parametrize('form', FORMS)
+@pytest.mark.parametrize('program', [
+    bodies(f'run="once"|{EDGE}', f'|{COUNT}'),
+    bodies(f'run="once"|{EDGE}', f'|{LOOK.format(1)}{COUNT}'),
+    bodies(f'run="once"|{LOOK.format(1)}', f'|{EDGE}'),
+    bodies(f'run="once"|{ADD}', f'|{EDGE}{LOOK.format(2)}'),
+    bodies(f'run="once"|{EDGE}', f'run="once"|{LOOK.format(1)}'),
+    bodies(f'run="once"|{EDGE}', f'|{ADD}'),
+    bodies(f'run="once"|{EDGE}', f'task="slow"|{LOOK.format(1)}', f'task="fast"|{ADD}'),
+    bodies(f'task="fast"|{EDGE}', f'task="slow"|{LOOK.format(1)}'),
+    bodies(f'task="fast"|{EDGE}', f'task="slow"|{COUNT}'),
+], ids=['own', 'seen by others', 'looks at others', 'text', 'nothing else', 'text behind',
+        'three tasks', 'two tasks', 'apart'])
+def test_instance_when_bodies_that_run_apart_use_it_then_it_is_one(
+    program: Program, form: str,
+) -> None:
+    assert_same_runs(program, there_and_back(program, form))
+
+
+def test_plcopen_when_one_program_alone_uses_an_instance_then_it_is_declared_there_alone() -> None:
+    program = bodies(f'task="fast"|{EDGE}', f'task="slow"|{COUNT}')
+    text = write_plcopen(program)
+    assert [text.count(f'<derived name="{block}"/>') for block in ('R_TRIG', 'CTU')] == [1, 1]
+
+
+def test_imported_when_a_pou_looks_at_an_instance_of_the_project_then_it_is_that_one() -> None:
+    text = write_plcopen(bodies(f'task="fast"|{EDGE}', f'task="slow"|{LOOK.format(1)}'))
+    slots = Machine(parse_project(text.encode(), 'p.xml')).executable.slots
+    assert [s.path for s in slots if s.path.casefold().endswith('edge.q')] == [
+        'edge.Q']
 
 
 @pytest.mark.parametrize('form', FORMS)

@@ -261,6 +261,7 @@ def assert_agree(
 
 
 @needs_llvm
+@pytest.mark.usefixtures('processor')
 @pytest.mark.parametrize('seed', range(16))
 def test_stations_when_executed_abreast_then_every_value_is_that_of_python(seed: int) -> None:
     rng = random.Random(seed)

@@ -21,7 +21,7 @@ from ladder_ros.compiler.il import Instruction, InstructionList, Network, Op, Ro
 from ladder_ros.compiler.il_text import parse_il, print_il
 from ladder_ros.compiler.il_verify import verify_il
 from ladder_ros.compiler.link import link_code
-from ladder_ros.compiler.pipeline import analyse, build_sequences, build_trees, lower
+from ladder_ros.compiler.stages import analyse, build_sequences, build_trees, lower
 from ladder_ros.compiler.symbols import Literal, Ref
 from ladder_ros.diagnostics import InternalError, LadderError
 from ladder_ros.model.program import Body, CallKind, Program, Rung, Variable

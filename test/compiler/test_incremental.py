@@ -19,7 +19,7 @@ import pytest
 from support.plants import flat_plant, Plant, program_of, station_plant
 from support.random_rungs import Case, cases, Wishes
 
-from ladder_ros.compiler import pipeline
+from ladder_ros.compiler import stages
 from ladder_ros.compiler.model_to_wiring import analyse_connections
 from ladder_ros.compiler.pipeline import Compilation, compile_program, Work
 from ladder_ros.diagnostics import Diagnostic, LadderError
@@ -205,7 +205,7 @@ def test_file_when_a_line_is_put_in_then_what_has_moved_is_not_compiled(
         done.append(rung.id)
         return analyse_connections(rung, **more)
 
-    monkeypatch.setattr(pipeline, 'analyse_connections', analyse)
+    monkeypatch.setattr(stages, 'analyse_connections', analyse)
     other = text.replace('<body', '\n<body').replace('<rung id="71"', '<rung comment="x" id="71"')
     after = parse_next(other.encode(), 'a.xml', before)
     compilation = compile_program(after.program, earlier=work, moved=after.moved)
@@ -259,7 +259,7 @@ def test_rung_when_edited_among_many_then_it_alone_is_compiled(
     before = compile_program(program)
     before.executable.build(Variant())
     done: list[str] = []
-    monkeypatch.setattr(pipeline, 'analyse_connections', lambda rung, **more: (
+    monkeypatch.setattr(stages, 'analyse_connections', lambda rung, **more: (
         done.append(rung.id), analyse_connections(rung, **more))[1])
     assert before.work is not None
     after = compile_program(with_edge(program, 70), earlier=before.work)

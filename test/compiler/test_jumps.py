@@ -31,7 +31,8 @@ from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.compiler.il import LoopError
 from ladder_ros.compiler.il_text import parse_il, print_il
 from ladder_ros.compiler.link import link_code
-from ladder_ros.compiler.pipeline import analyse, build_trees, check_program, lower
+from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.stages import analyse, build_trees, lower
 from ladder_ros.coordinates.imported import with_drawings
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.drawing.rung_text import draw_program

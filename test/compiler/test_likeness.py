@@ -16,7 +16,7 @@ from support.random_rungs import Case, cases, Wishes
 from compiler.circuits import CircuitDrawing, random_circuit
 from ladder_ros.compiler.aov import Aov
 from ladder_ros.compiler.model_to_wiring import analyse_connections
-from ladder_ros.compiler.pipeline import analyse, build_trees, code_rungs, lower
+from ladder_ros.compiler.stages import analyse, build_trees, code_rungs, lower
 from ladder_ros.compiler.symbols import Ref, Resolved
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.garbage import collected_later

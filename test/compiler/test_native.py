@@ -99,6 +99,7 @@ def samples() -> Iterator[Sample]:
                 yield Sample(row=row, type=type_, inputs=inputs, out=out)
 
 
+@pytest.mark.usefixtures('processor')
 def test_functions_when_compiled_then_give_what_python_gives() -> None:
     """All functions at all types, each a network of its own, on values at the borders."""
     calls = list(samples())
@@ -165,8 +166,17 @@ def test_native_code_when_a_program_is_random_then_agrees_with_the_drawing(
     assert_agreement(case, forced, ['native'])
 
 
+@pytest.mark.usefixtures('processor')
+@pytest.mark.parametrize('seed', range(20, 32))
+def test_native_code_when_it_is_for_another_processor_then_agrees_with_the_drawing(
+    seed: int,
+) -> None:
+    assert_agreement(random_case(random.Random(seed)), backends=['native'])
+
+
 # -- leaving out what cannot change --------------------------------------------------------------
 
+@pytest.mark.usefixtures('processor')
 @pytest.mark.parametrize('plant, least_members', [
     (flat_plant(400), 16), (station_plant(1000), 1000), (station_plant(5000), 16),
 ], ids=['flat', 'stations', 'stations abreast'])
@@ -271,30 +281,6 @@ def chunks_executed(state: object) -> int:
     assert isinstance(state, NativeState)
     (_, place), = (found for number, found in state.arguments.items() if number != PLAIN)
     return int(ctypes.c_int64.from_address(place.value + 48).value)
-
-
-# -- other machines ------------------------------------------------------------------------------
-
-@pytest.mark.parametrize('plant', [flat_plant(200), station_plant(500)], ids=['flat', 'stations'])
-def test_code_when_the_machine_is_an_arm_then_it_compiles(
-    plant: Plant, monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    import llvmlite.binding as llvm
-    monkeypatch.setattr(native_backend, 'LEAST_INSTRUCTIONS', 100)
-    llvm.initialize_all_targets()
-    llvm.initialize_all_asmprinters()
-    try:
-        target = llvm.Target.from_triple('aarch64-unknown-linux-gnu')
-    except RuntimeError:
-        pytest.skip('this llvmlite compiles for its own machine only')
-    machine = target.create_target_machine(opt=1, reloc='pic', codemodel='small')
-    native = compile_program(program_of(plant), backend='native').native
-    assert native is not None
-    modules = native()[0].modules
-    assert any('@event_scan' in text for text in modules)
-    for text in modules:
-        made = machine.emit_object(llvm.parse_assembly(text))
-        assert made[:4] == b'\x7fELF' and made[18:20] == b'\xb7\x00'
 
 
 # -- moving between forms ------------------------------------------------------------------------

@@ -195,7 +195,7 @@ def test_bit_when_assigned_then_the_others_stay() -> None:
     ('i := g[4, 0];', ['L0224 the index 4 is outside of g']),
     ('i := g[1, r];', ['L0204 r is REAL, but an integer is needed here']),
     ('i := g;', ['L0204 g is a structure or an array, but one elementary value is needed here']),
-    ('g := i;', ['L0204 g is INT, but an anonymous array is needed here']),
+    ('g := i;', ['L0204 g is INT, but ARRAY [1..3, 0..1] OF INT is needed here']),
     ('a := SEL(i, 1, 2) = 1;', ['L0204 i is INT, but BOOL is needed here']),
     ('i := SHL(r, 1);', ['L0220 the types of SHL do not fit together']),
 ])

@@ -13,10 +13,11 @@ from ladder_ros.compiler import il_interpreter, il_to_python
 from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.compiler.il import LoopError
 from ladder_ros.compiler.pipeline import compile_program
-from ladder_ros.compiler.st_to_il import called_functions, MAX_LOOPS
+from ladder_ros.compiler.st_to_il import MAX_LOOPS
 from ladder_ros.executable import Variant
 from ladder_ros.model.derived import Array, Type
 from ladder_ros.model.program import CallKind
+from ladder_ros.model.st import called_names
 from ladder_ros.model.types import DataType, Value
 from ladder_ros.source.st_parser import parse_statements
 
@@ -336,13 +337,13 @@ def test_function_when_it_calls_itself_then_refused() -> None:
     assert found.startswith('L0207')
 
 
-def test_called_functions_when_asked_then_every_call_is_found() -> None:
+def test_called_names_when_asked_then_every_call_is_found() -> None:
     text = """x[f1(1)] := f2(f3()) + 1; t(IN := f4(), Q => y[f5()]);
               IF f6() THEN f7(); ELSIF NOT f8() THEN ; ELSE z := f9(); END_IF;
               CASE f10() OF 1: z := f11(); ELSE z := f12(); END_CASE;
               FOR i := f13() TO f14() BY f15() DO z := f16(); END_FOR;
               WHILE f17() DO EXIT; END_WHILE; REPEAT RETURN; UNTIL f18() END_REPEAT;"""
-    assert set(called_functions(parse_statements(text))) == {
+    assert set(called_names(parse_statements(text))) == {
         't', *(f'f{number}' for number in range(1, 19))}
 
 

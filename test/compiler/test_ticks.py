@@ -34,8 +34,13 @@ pytest.importorskip('llvmlite', reason='native code needs llvmlite')
 
 TIMES = ('t.et', 't.%start', 'wait', 'gone', 'other')
 TICK_COST = 1
-compiled = cache(make_object)
 WAITED = 'LD go\nCAL TON t (PT := wait) ()\nST done'
+
+
+@cache
+def compiled(text: str, _processor: str) -> bytes:
+    """Compile a module, once for each processor."""
+    return make_object(text)
 
 
 def cost(state: NativeState) -> int:
@@ -67,7 +72,7 @@ def ticks_in(emitted: NativeProgram) -> list[str]:
     (['LD x\nIF\nLD go\nCAL TON t (PT := wait) ()\nST done\nFI'], 'none'),
 ])
 def test_timer_when_time_goes_on_then_every_value_is_that_of_executing_it(
-    networks: Sequence[str], ticks: str, monkeypatch: pytest.MonkeyPatch,
+    networks: Sequence[str], ticks: str, processor: str, monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(native_backend, 'LEAST_INSTRUCTIONS', 1)
     monkeypatch.setattr(native_backend, '_NETWORKS', 4)
@@ -84,7 +89,8 @@ def test_timer_when_time_goes_on_then_every_value_is_that_of_executing_it(
     first, *rest = ticks_in(emitted)
     assert (first == NO_TICK) is (ticks == 'none')
     assert set(rest) == {NO_TICK}
-    native = load_native(emitted, [compiled(text) for text in emitted.modules], {})['main']
+    objects = [compiled(text, processor) for text in emitted.modules]
+    native = load_native(emitted, objects, {})['main']
     wanted = interpret_il(code, slots, {}, frozenset())['main']
     dice = random.Random(3)
     values: list[Value] = [default_value(row.type) for row in rows]

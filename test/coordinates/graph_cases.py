@@ -11,13 +11,13 @@ from ladder_ros.compiler.access_keys import access_key
 from ladder_ros.compiler.aov import Aov, Arc, SymbolVertex, VirtualVertex
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
-from ladder_ros.compiler.symbols import pou_key, Ref, Resolved
+from ladder_ros.compiler.symbols import Ref, Resolved
 from ladder_ros.compiler.wiring import Rail
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.diagnostics import has_errors
 from ladder_ros.model.component import Block, Coil, Contact, Instance, Placement
-from ladder_ros.model.program import Pou, Program, Rung
+from ladder_ros.model.program import Pou, pou_key, Program, Rung
 from ladder_ros.model.types import DataType
 
 

@@ -19,8 +19,8 @@ from support.random_rungs import Case, cases, Wishes
 
 from coordinates.graph_cases import graph, graph_of, observable_order, redrawn
 from ladder_ros.compiler.aov import Aov
-from ladder_ros.compiler.pipeline import analyse
-from ladder_ros.coordinates.aov_to_rung import draw_aov, draw_rung
+from ladder_ros.compiler.stages import analyse
+from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.coordinates.drawable import with_drawable_components
 from ladder_ros.drawing.rung_text import draw_rung as as_text
 from ladder_ros.model.component import Coil, Column, Component, Placement, Row
@@ -124,7 +124,7 @@ def test_grid_of_bridges_when_drawn_then_it_is_the_same_graph(rng: Random, size:
 def test_rung_with_composites_put_in_when_drawn_then_it_is_that_graph(case: Case) -> None:
     for graphs in analyse(case.program).graphs.values():
         for aov in graphs:
-            again = draw_aov(aov)
+            again = graph_of(draw_rung(aov, rung_id=aov.rung))
             named = with_drawable_components(aov)
             paths = tuple(replace(s, path=s.component.id) for s in named.symbols)
             assert shape(again) == shape(replace(named, symbols=paths))

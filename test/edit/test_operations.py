@@ -16,7 +16,6 @@ from support.random_rungs import Case, cases, Wishes
 from edit.random_edits import random_edit
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.pipeline import check_program, compile_program
-from ladder_ros.compiler.symbols import pou_key
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.edit.edits import (
     AddOutput,
@@ -30,7 +29,7 @@ from ladder_ros.edit.edits import (
 from ladder_ros.edit.history import History
 from ladder_ros.edit.operations import apply_edit, COLUMNS
 from ladder_ros.model.component import Block, Coil, Contact, Placement
-from ladder_ros.model.program import Body, Pou, Program, Rung, Variable
+from ladder_ros.model.program import Body, Pou, pou_key, Program, Rung, Variable
 from ladder_ros.model.types import DataType
 from ladder_ros.source.model_to_xml import write_program
 from ladder_ros.source.xml_to_model import parse_program

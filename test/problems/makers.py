@@ -20,7 +20,7 @@ import yaml
 from ladder_ros.background.process import CompilerProcess
 from ladder_ros.compiler import llvm_machine
 from ladder_ros.compiler.il_text import parse_il
-from ladder_ros.compiler.pipeline import analyse
+from ladder_ros.compiler.stages import analyse
 from ladder_ros.compiler.symbols import Resolved
 from ladder_ros.compiler.wiring import End, Net, Part, Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov

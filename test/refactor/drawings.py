@@ -15,9 +15,9 @@ from support.random_rungs import Case, cases, Wishes
 
 from ladder_ros.executable import SlotClass
 from ladder_ros.model.component import Block, Instance
+from ladder_ros.model.places import base, names_in, renamed_rung
 from ladder_ros.model.program import Body, Program, Rung, RunKind, Variable
 from ladder_ros.model.types import DataType
-from ladder_ros.refactor.places import base, names_in, renamed_rung
 from ladder_ros.source.xml_to_model import parse_program
 
 PROGRAMS = Path(__file__).resolve().parents[2] / 'programs'

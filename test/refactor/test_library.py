@@ -30,7 +30,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def write(path: Path, edit: refactoring.Edit) -> None:
+def write(path: Path, edit: refactoring.Refactored) -> None:
     path.write_text(edit.text, encoding='utf-8')
 
 

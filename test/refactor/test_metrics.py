@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import pytest
 
@@ -15,6 +16,7 @@ from ladder_ros.refactor.metrics import count, Counts, granularity, measure
 from refactor.drawings import program, PROGRAMS
 
 ELEVATOR, FLAT = PROGRAMS / 'elevator_3_floor.xml', PROGRAMS / 'elevator_3_floor_flat.xml'
+IMPORTED = Path(__file__).parent.parent / 'cases/plcopen/editor.xml'
 
 
 def composite(*rungs: str) -> Composite:
@@ -70,10 +72,16 @@ def test_composite_when_everything_is_a_parameter_then_it_never_pays() -> None:
     assert (floor.hidden, floor.break_even) == (0.0, None)
 
 
-def test_load_times_when_measured_then_compiling_takes_longer_than_loading() -> None:
+def test_load_times_when_measured_then_showing_and_compiling_take_longer_than_loading() -> None:
     found, = refactoring.measure_files([ELEVATOR], runs=3)
     assert found.time is not None
-    assert 0 < found.time.load < found.time.compile
+    assert 0 < found.time.load < min(found.time.show, found.time.compile)
+
+
+def test_load_times_when_a_program_was_drawn_elsewhere_then_it_is_shown_as_well() -> None:
+    found, = refactoring.measure_files([IMPORTED], runs=1)
+    assert found.time is not None
+    assert found.time.load < found.time.show
 
 
 def test_verb_when_two_programs_are_compared_then_reductions_are_given(

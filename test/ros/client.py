@@ -258,7 +258,7 @@ class Client:
 
 
 @contextmanager
-def connected(namespace: str) -> Iterator[Client]:
+def connected(namespace: str, name: str = 'plc_node') -> Iterator[Client]:
     """Give a client of the node in a namespace."""
     import rclpy
     from rclpy.executors import SingleThreadedExecutor
@@ -278,7 +278,7 @@ def connected(namespace: str) -> Iterator[Client]:
     thread = threading.Thread(target=spin)
     thread.start()
     try:
-        yield Client(node, f'{namespace}/plc_node')
+        yield Client(node, f'{namespace}/{name}')
     finally:
         done.set()
         thread.join()

@@ -107,6 +107,47 @@ def test_parameters_when_described_then_each_has_type_description_and_range(
     assert not refused.successful and 'start' in refused.reason
 
 
+def test_parameter_when_it_is_written_as_another_type_then_what_it_means_counts(
+        start_node: StartNode, file: Path) -> None:
+    _child, namespace = start_node({
+        'program': str(file), 'change': {'timeout': 30}, 'forces': []})
+    with connected(namespace) as client:
+        client.wait_state(state='running')
+        assert repr(client.get_parameter('change.timeout')) == '30.0'
+        assert client.set_parameter('change.timeout', 45).successful  # ros2 param set ... 45
+        assert repr(client.get_parameter('change.timeout')) == '45.0'
+        assert client.set_parameter('forces', ['b=TRUE']).successful
+        assert client.set_parameter('forces', []).successful  # ros2 param set ... []
+        client.wait_state(forces={})
+        for value in (0, True, '45'):
+            assert not client.set_parameter('change.timeout', value).successful
+        assert client.get_parameter('change.timeout') == 45.0
+
+
+REFUSED: list[tuple[str, Any, list[str]]] = [
+    ('candidate', 'missing.xml', ['parameter candidate: error L0605', 'missing.xml']),
+    ('candidate', 'file://far/a.xml', ['parameter candidate: error L0605', 'file:///']),
+    ('program', 'missing.xml', ['parameter program: error L0605', 'missing.xml']),
+    ('forces', ['nothing=1'], ['parameter forces: error L0502', 'nothing']),
+    ('forces', ['b'], ['parameter forces: error L0604', 'name=value']),
+    ('monitor.pou', 'nowhere', ['parameter monitor.pou: error L0604', 'nowhere']),
+    ('monitor.rate', 99.0, ['monitor.rate']),
+    ('record_file', '../a', ['parameter record_file: error L0604', 'the folder']),
+    ('start', 'hot', ['parameter start: error L0604', 'warm, cold']),
+]
+
+
+def test_parameter_when_refused_then_the_reason_names_it(
+        start_node: StartNode, file: Path) -> None:
+    _child, namespace = start_node({'program': str(file)})
+    with connected(namespace) as client:
+        client.wait_state(state='running')
+        results = [client.set_parameter(name, value) for name, value, _ in REFUSED]
+    assert [result.reason for result in results if result.successful] == []
+    assert [(words, result.reason) for result, (_, _, told) in zip(results, REFUSED, strict=True)
+            for words in told if words not in result.reason] == []
+
+
 @pytest.mark.parametrize(('arguments', 'status', 'said'), [
     (['--help'], 0, 'io.<variable>.topic'), (['--version'], 0, 'plc_node 0'),
     (['--frobnicate'], 1, '--help'), (['a.xml', 'b.xml'], 1, '--help'),

@@ -73,7 +73,10 @@ def test_simulated_clock_when_advanced_short_of_the_deadline_then_it_sleeps_on()
 
 
 def test_simulated_clock_when_the_deadline_has_passed_then_it_does_not_sleep() -> None:
-    SimulatedClock(10).sleep_until(10)
+    thread = threading.Thread(target=SimulatedClock(10).sleep_until, args=(10,), daemon=True)
+    thread.start()
+    thread.join(10)
+    assert not thread.is_alive()
 
 
 def test_simulated_clock_when_woken_then_sleep_ends_early() -> None:

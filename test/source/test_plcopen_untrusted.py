@@ -112,8 +112,12 @@ def test_wires_when_connectors_multiply_them_then_the_drawing_is_refused() -> No
     sources = ''.join(f'<connection refLocalId="{i}"/>' for i in range(10, 1010))
     body = (contacts + f'<connector localId="2" name="n"><connectionPointIn>{sources}'
             '</connectionPointIn></connector><continuation localId="3" name="n"/>'
-            + ''.join(element('coil', i, [3], 'q') for i in range(2000, 2500)))
-    assert codes(project(ladder(body))) == ['L0107', 'L0143']
+            + ''.join('\n' + element('coil', i, [3], 'q') for i in range(2000, 2500)))
+    with pytest.raises(LadderError) as caught:
+        parse_any(project(ladder(body)), 'f.xml')
+    large, _ = caught.value.diagnostics
+    assert (large.code, caught.value.diagnostics[1].code) == ('L0107', 'L0143')
+    assert large.location.line > 100, 'the coil whose wires are too many, not the whole drawing'
 
 
 @settings(max_examples=60)

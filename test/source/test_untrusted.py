@@ -17,6 +17,7 @@ import pytest
 from ladder_ros.diagnostics import Diagnostic, LadderError
 from ladder_ros.model.program import Program
 from ladder_ros.source import grammar, xml_tree
+from ladder_ros.source.read_any import read_any
 from ladder_ros.source.xml_to_model import parse_program, read_program
 
 VALID = (
@@ -144,6 +145,21 @@ def test_file_when_it_passes_a_limit_then_is_refused_and_the_limit_named(
     assert len(str(found)) < 1000
 
 
+@pytest.mark.parametrize(('limit', 'most', 'place'), [
+    ('MAX_COMPONENTS', 3, (3, (3, 0))), ('MAX_CELLS', 4, (2, (2, 0))),
+    ('MAX_CELLS', 9, (3, (3, 0))),
+])
+def test_limit_when_a_component_passes_it_then_the_error_is_at_its_line_and_cell(
+    limit: str, most: int, place: tuple[int, tuple[int, int]], monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(grammar, limit, most)
+    found = refusal(rung(''.join(
+        f'<row id="r{x}" x="{x}" y="0" height="{x + 1}"/>' for x in range(2))
+        + '\n<row id="r2" x="2" y="0" height="3"/>\n<row id="r3" x="3" y="0" height="4"/>'))
+    assert (found.code, (found.location.line, found.location.cell)) == ('L0107', place)
+    assert (found.location.pou, found.location.rung) == ('m', '1')
+
+
 @pytest.mark.parametrize('text', [
     b'<a ' + b'b' * 5_000_000, b'<!--' * 1_000_000, b'<' * 5_000_000, b'\n' * 16_000_000,
     b'<!DOCTYPE' * 1_000_000, b'<?' * 5_000_000, b'&' * 1_000_000,
@@ -191,8 +207,21 @@ def test_path_when_there_is_no_file_then_says_so(tmp_path: Path) -> None:
     assert 'No such file' in found.message
 
 
-def test_path_when_a_directory_then_says_so(tmp_path: Path) -> None:
-    assert 'it is a directory' in read_failure(tmp_path).message
+@pytest.mark.parametrize(('names', 'told'), [
+    ((), 'none that ends in .xml or .st'), (('a.csv', 'project.xml.bak'), 'none that ends in'),
+    (('b.ST', 'a.xml', 'c.csv'), 'files: a.xml, b.ST'),
+    (('1.xml', '2.xml', '3.xml', '4.xml', '5.xml'), '1.xml, 2.xml, 3.xml or 2 more'),
+    (('beremiz.xml', 'plc.xml', 'a.xml'), 'plc.xml: give '),
+])
+def test_path_when_a_folder_then_says_which_are_programs_and_what_to_give(
+        tmp_path: Path, names: tuple[str, ...], told: str) -> None:
+    for name in names:
+        (tmp_path / name).touch()
+    with pytest.raises(LadderError) as caught:
+        read_any(tmp_path)
+    (found,) = caught.value.diagnostics
+    assert (found.code, found.location.file) == ('L0109', str(tmp_path))
+    assert 'OpenPLC Editor 4' in found.message and told in found.help
 
 
 def test_path_when_a_named_pipe_then_is_refused_without_waiting(tmp_path: Path) -> None:

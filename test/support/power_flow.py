@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a program means, evaluated straight from its drawing: slow, plain and independent.
 
-This is DESIGN's "What a scan means" once more, without graph, tree or instructions.  It shares the
-model, the catalogue and the blocks' step functions with the compiler, and nothing else.
+This is once more what docs/language.md says of a scan, without graph, tree or instructions.  It
+shares the model, the catalogue and the blocks' step functions with the compiler, and nothing else.
 
 Geometry: a *point* is (grid line, row).  Series ends at one point connect, the rails are the lines
 0 and W, a down side and an up side that meet between two adjacent rows connect, and a column is a

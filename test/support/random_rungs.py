@@ -90,6 +90,8 @@ class Wishes:
 
     blocks: bool = True
     composites: bool = True
+    once: bool = True
+    """A second body, which runs once."""
     max_rows: int = 5
     max_width: int = 7
 
@@ -608,14 +610,12 @@ def random_case(rng: Random, wishes: Wishes | None = None) -> Case:
             names.readable.setdefault(type_, []).append(name)
             if not is_input:
                 names.writable.setdefault(type_, []).append(name)
-    bodies = [Body(name='main', rungs=make_rungs(rng, names, wishes, 3))]
-    if rng.randrange(4) == 0:
-        once = Names(readable={t: [n for n in known if '.' not in n]
-                               for t, known in names.readable.items()},
-                     writable=names.writable, composites=[], count=500)
-        small = replace(wishes, max_rows=2, composites=False)
+    bodies = []
+    if rng.randrange(4) == 0 and wishes.once:  # the other body can see what its blocks gave
+        small = replace(wishes, max_rows=2)
         bodies.append(Body(
-            name='startup', run=RunKind.ONCE, rungs=make_rungs(rng, once, small, 1)))
+            name='startup', run=RunKind.ONCE, rungs=make_rungs(rng, names, small, 1)))
+    bodies.insert(0, Body(name='main', rungs=make_rungs(rng, names, wishes, 3)))
     program = Program(
         name='random', bodies=tuple(bodies), composites=tuple(composites),
         variables=tuple(variables))

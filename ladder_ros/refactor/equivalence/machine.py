@@ -16,6 +16,8 @@ from ladder_ros.blocks import RELEASE
 from ladder_ros.compiler.il import (
     active_flag,
     Call,
+    CONTACTS,
+    EDGES,
     Instruction,
     InstructionList,
     matching,
@@ -23,7 +25,7 @@ from ladder_ros.compiler.il import (
     Op,
     Routine,
 )
-from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref
+from ladder_ros.compiler.symbols import Element, is_data_slot, is_temporary, Literal, Operand, Ref
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.types import DataType, default_value
 from ladder_ros.refactor.equivalence.block_paths import release_block, step_block
@@ -286,7 +288,7 @@ class Machine:
             return self.terms.const(operand.value, operand.type)
         if isinstance(operand, Element):
             return self._read_element(operand)
-        if operand.path.startswith('%T'):
+        if is_temporary(operand.path):
             found = self.layer.read((self._scope, operand.path))
             # What is not written on every way here is not read there either.
             return found or self.terms.const(default_value(operand.type), operand.type)
@@ -305,7 +307,7 @@ class Machine:
                 self._put(index, self.terms.ite(chosen, value, self.slot_value(index)))
             return
         assert isinstance(target, Ref)
-        if target.path.startswith('%T'):
+        if is_temporary(target.path):
             self.layer.written[self._scope, target.path] = value
         else:
             self._put(self._slot(target.path.casefold()), value)
@@ -335,8 +337,7 @@ class Machine:
 
     def _step(self, instruction: Instruction) -> None:
         op, stack, terms = instruction.op, self._stack, self.terms
-        name = op.value
-        if name[:2] in ('LD', 'AN', 'OR') and instruction.operand is not None:
+        if op in CONTACTS:
             self._contact(instruction)
         elif op is Op.ANB or op is Op.ORB:
             value, below = stack.pop(), stack.pop()
@@ -362,21 +363,22 @@ class Machine:
             self._coil(instruction)
 
     def _contact(self, instruction: Instruction) -> None:
-        op, terms, stack = instruction.op, self.terms, self._stack
+        terms, stack = self.terms, self._stack
         assert instruction.operand is not None
         value = self.read(instruction.operand)
-        base, suffix = op.value[:2], op.value[-1]
-        if instruction.memory is not None:
-            value = self._edge(instruction.memory, value, suffix)
-        elif op in (Op.LDN, Op.ANDN, Op.ORN):
+        join, mode = CONTACTS[instruction.op]
+        if mode == 'N':
             value = terms.not_(value)
-        if base == 'LD':
+        elif mode:
+            assert instruction.memory is not None
+            value = self._edge(instruction.memory, value, mode)
+        if join is Op.LD:
             stack.append(value)
         else:
-            stack[-1] = (terms.and_ if base == 'AN' else terms.or_)(stack[-1], value)
+            stack[-1] = (terms.and_ if join is Op.AND else terms.or_)(stack[-1], value)
 
-    def _edge(self, memory: Ref, signal: Term, suffix: str) -> Term:
-        level = signal if suffix == 'P' else self.terms.not_(signal)
+    def _edge(self, memory: Ref, signal: Term, mode: str) -> Term:
+        level = signal if mode == 'P' else self.terms.not_(signal)
         before = self.read(memory)
         self.write(memory, level)
         return self.terms.and_(level, self.terms.not_(before))
@@ -395,7 +397,7 @@ class Machine:
             self.write(operand, terms.and_(terms.not_(power), self.read(operand)))
         else:
             assert instruction.memory is not None
-            self.write(operand, self._edge(instruction.memory, power, op.value[2]))
+            self.write(operand, self._edge(instruction.memory, power, EDGES[op]))
 
     # -- calls
 
@@ -490,7 +492,7 @@ class Machine:
                 self.write(target, fine)
                 continue
             other = (terms.const(default_value(target.type), target.type)
-                     if '%data' in str(target) else self.read(target))
+                     if is_data_slot(target) else self.read(target))
             self.write(target, terms.ite(power, result, other))
         if kind.power_output == 'ENO':
             self._stack[-1] = fine

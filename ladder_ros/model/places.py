@@ -17,11 +17,9 @@ from ladder_ros.model.component import (
     Argument,
     Block,
     Coil,
-    CoilKind,
     Column,
     Component,
     Contact,
-    ContactKind,
     Instance,
     InVariable,
     Jump,
@@ -30,10 +28,9 @@ from ladder_ros.model.component import (
     Row,
 )
 from ladder_ros.model.names import PATH
-from ladder_ros.model.program import Composite, Direction, Pou, Rung
+from ladder_ros.model.program import Body, Composite, Direction, Pou, Rung
 from ladder_ros.model.references import Access
 
-_EDGES = (ContactKind.RISING, ContactKind.FALLING, CoilKind.RISING, CoilKind.FALLING)
 _CONSTANTS = ('true', 'false')
 
 
@@ -101,11 +98,6 @@ def operands_of(component: Component) -> tuple[str, ...]:
     return tuple(place.text for place in places(component, {}) if not is_literal(place.text))
 
 
-def remembers(component: Contact | Coil) -> bool:
-    """Say whether a contact or coil has an edge memory."""
-    return component.kind in _EDGES
-
-
 def is_literal(text: str) -> bool:
     """Say whether an operand is a constant and not a name."""
     return PATH.fullmatch(text) is None or text.casefold() in _CONSTANTS
@@ -161,6 +153,14 @@ def names_in(rungs: tuple[Rung, ...]) -> Iterator[str]:
             yield from map(base, operands_of(component))
 
 
-def with_rungs(pou: Pou, rungs: tuple[Rung, ...]) -> Pou:
-    """Return a POU with other rungs."""
-    return replace(pou, rungs=rungs)
+def without_history(component: Component) -> Component:
+    """Return a component without where its state was in earlier programs."""
+    if isinstance(component, (Contact, Coil, Block, Instance)):
+        return replace(component, was=())
+    return component
+
+
+def edge_place(pou: Pou, rung: str, component: str) -> str:
+    """Return how ``was`` names an edge contact or coil: ``main/3/c1``, in a composite ``3/c1``."""
+    start = f'{pou.name}/' if isinstance(pou, Body) else ''
+    return f'{start}{rung}/{component}'
