@@ -13,7 +13,7 @@ from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import replace
 
-from ladder_ros.compiler.aov import Aov, numbered, operand_text, SymbolVertex
+from ladder_ros.compiler.aov import Aov, operand_text, SymbolVertex
 from ladder_ros.compiler.symbols import Operand
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.component import Argument, Block, Coil, Component, Contact, Instance
@@ -24,7 +24,7 @@ Sides = tuple[set[str], set[str]]
 
 def with_drawable_components(aov: Aov) -> Aov:
     """Return the graph with components that can stand in one drawing, numbered in order."""
-    aov = numbered(aov)
+    aov = _numbered(aov)
     pins: dict[int, Sides] = defaultdict(lambda: (set(), set()))
     for arc in aov.arcs:
         if arc.target_pin:
@@ -35,6 +35,17 @@ def with_drawable_components(aov: Aov) -> Aov:
     return replace(aov, symbols=tuple(
         _with_rows(_named(symbol, names), pins[symbol.id]) if symbol.id in pins
         else _named(symbol, names) for symbol in aov.symbols))
+
+
+def _numbered(aov: Aov) -> Aov:
+    """Return the graph with its vertices numbered, and all arcs: two are drawn as two lines."""
+    ids = [*(s.id for s in aov.symbols), *(v.id for v in aov.virtuals)]
+    number = {id: place for place, id in enumerate(ids)}
+    return replace(
+        aov, symbols=tuple(replace(s, id=number[s.id]) for s in aov.symbols),
+        virtuals=tuple(replace(v, id=number[v.id]) for v in aov.virtuals),
+        arcs=tuple(replace(a, source=number[a.source], target=number[a.target])
+                   for a in aov.arcs))
 
 
 def _ids(aov: Aov) -> dict[str, str]:
