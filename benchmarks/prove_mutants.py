@@ -23,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / 'test'))
 from support.random_rungs import random_case
 from support.rewrites import mutate, REWRITES, with_outputs
 
-from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.diagnostics import has_errors
 from ladder_ros.model.component import Block, Coil, Component, Contact
 from ladder_ros.model.program import Program, Rung

@@ -12,7 +12,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 import os
 
-from ladder_ros.compiler.pipeline import check_program, compile_program
+from ladder_ros.compiler.pipeline import compile_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.coordinates.imported import with_drawings
 from ladder_ros.diagnostics import LadderError, raise_errors
 from ladder_ros.drawing.program_svg import pou_pictures

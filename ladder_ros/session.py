@@ -1,37 +1,30 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The facade that every door uses: check, compile, simulate, run, force, change, observe.
+"""The facade for running programs: load, run, force, change and observe.
 
-Mistakes of the user raise :class:`~ladder_ros.diagnostics.LadderError`.  The functions look at a
-program file and return; a :class:`Session` runs one program in a thread of its own.
+Mistakes of the user raise :class:`~ladder_ros.diagnostics.LadderError`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from datetime import datetime, timezone
 import os
 from typing import TypeVar
-import zlib
 
 from ladder_ros.background.process import COMPILER
-from ladder_ros.compiler.backends import BACKENDS
-from ladder_ros.compiler.dump import dump_stage, STAGES
-from ladder_ros.compiler.pipeline import check_program, compile_program
-from ladder_ros.compiler.program_to_plcopen import write_plcopen
-from ladder_ros.compiler.program_to_st import write_il, write_st
-from ladder_ros.compiler.program_to_xml import write_xml
-from ladder_ros.diagnostics import Diagnostic, LadderError, Location
-from ladder_ros.executable import Executable, FIRST_BACKEND, Variant
+from ladder_ros.compiling import BACKENDS, compile_file, DEFAULT_BACKEND, Loaded
+from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.executable import Executable
 from ladder_ros.model.types import Value
+from ladder_ros.preparing import prepare_beside
 from ladder_ros.proving_process import ProverProcess
 from ladder_ros.runtime.assurance import Assurance, Requirement
 from ladder_ros.runtime.change_desk import ChangeDesk
-from ladder_ros.runtime.changes import Change, Loaded
+from ladder_ros.runtime.changes import Change
 from ladder_ros.runtime.clock import Clock, MonotonicClock
 from ladder_ros.runtime.controller import Controller
 from ladder_ros.runtime.exchange import Inlet
-from ladder_ros.runtime.lanes import Campaign
 from ladder_ros.runtime.listeners import (
     check_interval,
     ControllerState,
@@ -47,150 +40,47 @@ from ladder_ros.runtime.preflight import Preflight, Verdict
 from ladder_ros.runtime.process_image import Write
 from ladder_ros.runtime.quiet import giving_way, in_parts, QUIET
 from ladder_ros.runtime.recorder import RecordSummary, TraceRecorder
-from ladder_ros.runtime.replay import read_trace, replay_trace, ReplayResult
 from ladder_ros.runtime.retention import Retention
 from ladder_ros.runtime.scheduling import RealTime
 from ladder_ros.runtime.session_status import condition, session_status
 from ladder_ros.runtime.shadow import ShadowStatus
-from ladder_ros.runtime.simulation import DEFAULT_SCANS, prepare_simulation, Simulation
 from ladder_ros.runtime.start_kind import start_kind, StartKind
 from ladder_ros.runtime.statistics import Statistics
-from ladder_ros.runtime.trace_csv import format_rows, InputTable
 from ladder_ros.runtime.trial import ChangeKind, DEFAULT_OVERRUN_LIMIT, DEFAULT_TIMEOUT
 from ladder_ros.runtime.values import format_value, parse_value
-from ladder_ros.source.read_any import again_from, file_hash, openplc_folder, read_with_source
-from ladder_ros.source.xml_tree import read_file
 
 __all__ = [
     'BACKENDS',
     'DEFAULT_BACKEND',
     'DEFAULT_INTERVAL',
-    'DEFAULT_SCANS',
-    'EXPORTS',
-    'STAGES',
-    'Campaign',
     'Change',
     'ChangeKind',
     'ControllerState',
     'Fault',
     'Inlet',
-    'InputTable',
     'Loaded',
     'Preflight',
     'RealTime',
     'RecordSummary',
-    'ReplayResult',
     'Requirement',
     'ScanResult',
     'Session',
     'ShadowStatus',
-    'Simulation',
     'StartKind',
     'Statistics',
     'SwapReport',
     'Verdict',
     'Write',
-    'check',
     'check_interval',
     'compile_file',
-    'dump',
-    'export',
     'find_slot',
-    'format_rows',
     'format_value',
     'named_slots',
     'parse_value',
-    'replay',
-    'simulate',
 ]
-
-DEFAULT_BACKEND = next(iter(BACKENDS))
-EXPORTS = ('xml', 'plcopen', 'st', 'il')
-"""The forms in which a program can be written."""
 
 _T = TypeVar('_T')
 
-
-# -- looking at a file --------------------------------------------------------------------------
-
-def check(path: str | os.PathLike[str]) -> tuple[Diagnostic, ...]:
-    """Return everything that is to be said about a program: errors, warnings, hints.
-
-    A file that cannot be read is a diagnostic too, not an exception.
-    """
-    try:
-        program, _, _ = read_with_source(path)
-    except LadderError as error:
-        return error.diagnostics
-    return check_program(program)
-
-
-def dump(path: str | os.PathLike[str], stage: str, pou: str | None = None) -> str:
-    """Return what a stage of the compiler (one of STAGES) makes of a program, or of one POU.
-
-    Raises LadderError.
-    """
-    program, _, _ = read_with_source(path)
-    return dump_stage(program, stage, pou)
-
-
-def export(path: str | os.PathLike[str], to: str) -> str:
-    """Return a program in another form (one of EXPORTS).  Raises LadderError."""
-    if to not in EXPORTS:
-        raise LadderError.of(
-            'L0510', Location(file=os.fspath(path)), form=to, known=', '.join(EXPORTS))
-    program, _, _ = read_with_source(path)
-    if to == 'plcopen':
-        return write_plcopen(program)
-    if to == 'st':
-        return write_st(program)
-    if to == 'il':
-        return write_il(program)
-    return write_xml(program)
-
-
-def compile_file(path: str | os.PathLike[str], backend: str = DEFAULT_BACKEND) -> Loaded:
-    """Compile a program file.  Raises LadderError with every error that was found."""
-    program, source_hash, source = read_with_source(path)
-    packed = zlib.compress(source) if source else b''
-    again = again_from(program, packed, os.fspath(path)) if backend == FIRST_BACKEND else None
-    compilation = compile_program(
-        program, backend=backend, source_hash=source_hash, again=again)
-    if again is not None:
-        compilation.first(Variant())  # while the work that this needs is there
-    return Loaded(
-        path=os.fspath(path), name=program.name, source_hash=source_hash,
-        packed=packed, executable=compilation.executable, diagnostics=compilation.diagnostics)
-
-
-def replay(path: str | os.PathLike[str], programs: Iterable[Loaded]) -> ReplayResult:
-    """Run a recording's scans again with the programs that ran then, and compare the outputs.
-
-    Raises LadderError L0526 if that is impossible.
-    """
-    return replay_trace(
-        read_trace(path), [loaded.executable for loaded in programs], os.fspath(path))
-
-
-# -- simulating ---------------------------------------------------------------------------------
-
-def simulate(
-    loaded: Loaded, *, inputs: str | os.PathLike[str] | InputTable | None = None,
-    scans: int | None = None, interval_ns: int | None = None, watch: Sequence[str] = (),
-) -> Simulation:
-    """Prepare a simulation.
-
-    ``inputs`` is a table or the CSV file of one; its columns may name any variable, which is
-    written just before the scan.  ``scans`` is by default the number of its rows, else 100; after
-    the last row the values stay.  ``interval_ns`` is by default the program's, else 10 ms.
-    ``watch`` names the columns of the result, by default all inputs and outputs, or all
-    variables of a program that has none.  Raises LadderError (L0501 to L0505).
-    """
-    return prepare_simulation(
-        loaded.executable, inputs=inputs, scans=scans, interval_ns=interval_ns, watch=watch)
-
-
-# -- running ------------------------------------------------------------------------------------
 
 class Session:
     """Runs one program at a time in a thread of its own; for calls from any thread.
@@ -294,24 +184,9 @@ class Session:
         runs = self._is_real or self.state is ControllerState.RUNNING
         if not (self._background and runs):
             return compile_file(path, backend)
-        with giving_way(self.interval_ns):
-            self._controller.breathe()
-            if openplc_folder(os.fspath(path)) is not None:
-                return compile_file(path, backend)
-            data = read_file(path)
-            source_hash = file_hash(data, os.fspath(path))
-            if before is not None and (
-                    before.source_hash, before.backend) == (source_hash, backend):
-                return Loaded(path=os.fspath(path), name=before.name, source_hash=source_hash,
-                              executable=before.executable, diagnostics=before.diagnostics,
-                              packed=before.packed)
-            packed = zlib.compress(data)
-            compilation = COMPILER.compile(
-                data, os.fspath(path), backend=backend, timeout=timeout_s,
-                breathe=self._controller.breathe, source_hash=source_hash, packed=packed)
-        return Loaded(
-            path=os.fspath(path), name=compilation.executable.name, source_hash=source_hash,
-            executable=compilation.executable, diagnostics=compilation.diagnostics, packed=packed)
+        return prepare_beside(
+            path, backend, before, interval_ns=self.interval_ns,
+            breathe=self._controller.breathe, timeout_s=timeout_s)
 
     @property
     def refused(self) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ import os
 import re
 
 from ladder_ros.compiler.dump import require_pou
-from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.coordinates.imported import with_drawings
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.drawing.program_html import program_html, Report

@@ -12,7 +12,8 @@ from typing import Any
 import pytest
 
 from ladder_ros.runtime.clock import SimulatedClock
-from ladder_ros.session import ChangeKind, compile_file, replay, Session, Verdict
+from ladder_ros.session import ChangeKind, compile_file, Session, Verdict
+from ladder_ros.simulating import replay
 
 MS = 1_000_000
 PATIENCE = 10.0

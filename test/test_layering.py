@@ -29,8 +29,9 @@ FUNCTION_LINES = 60
 BASE = {'problems', 'diagnostics', 'garbage', 'nouns'}
 DATA = BASE | {'model', 'executable'}
 DOORS = BASE | {
-    'session', 'editing', 'refactoring', 'proving', 'comparing', 'showing', 'model.types',
-    'executable', 'runtime.clock', 'resources',
+    'checking', 'showing', 'converting', 'compiling', 'simulating', 'session', 'editing',
+    'refactoring', 'comparing', 'proving', 'model.types', 'executable', 'runtime.clock',
+    'resources',
 }
 MAY_IMPORT: dict[str, set[str]] = {
     '': set(),
@@ -54,10 +55,12 @@ MAY_IMPORT: dict[str, set[str]] = {
     'proving_process': {'runtime', 'own_module'},
     # Does for the runtime what the compiler can, in another process.
     'background': DATA | {'source', 'blocks', 'compiler', 'runtime', 'own_module'},
-    'session': DATA | {
-        'source', 'blocks', 'compiler', 'edit', 'refactor', 'runtime', 'background',
-        'resources', 'proving_process',
-    },
+    'checking': DATA | {'source', 'compiler'},
+    'converting': DATA | {'source', 'compiler'},
+    'compiling': DATA | {'source', 'compiler', 'runtime'},
+    'simulating': DATA | {'runtime'},
+    'preparing': DATA | {'source', 'runtime', 'background', 'compiling'},
+    'session': DATA | {'runtime', 'background', 'compiling', 'preparing', 'proving_process'},
     'refactoring': DATA | {'source', 'drawing', 'compiler', 'coordinates', 'refactor'},
     'proving': DATA | {'source', 'compiler', 'refactor', 'runtime'},
     'showing': DATA | {'source', 'drawing', 'compiler', 'coordinates', 'refactor'},
@@ -94,7 +97,7 @@ WITHOUT_CLOCK = ('problems', 'diagnostics', 'model', 'source', 'drawing', 'execu
                  'compiler', 'coordinates', 'edit', 'runtime', 'background')
 
 # Modules of the compiler that run it as others do, from outside.
-USERS = {'pipeline', 'stages', 'backends', 'dump', 'rung_code'}
+USERS = {'pipeline', 'building', 'stages', 'backends', 'dump', 'rung_code'}
 NOUNS = ('symbols', 'wiring', 'aov', 'tree', 'il')
 
 # What puts the stages in order.

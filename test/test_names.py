@@ -12,7 +12,8 @@ from support.documents import ROOT
 
 from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.compiler.il_text import parse_il, print_il
-from ladder_ros.compiler.pipeline import check_program, compile_program
+from ladder_ros.compiler.pipeline import compile_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.compiler.program_to_st import write_st
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.names import RESERVED, why_illegal

@@ -10,11 +10,13 @@ import random
 from programs.simulation import BACKENDS, differences, PATHS, PROGRAMS, Run
 import pytest
 
-from ladder_ros import session
+from ladder_ros.checking import check
+from ladder_ros.compiling import compile_file
 from ladder_ros.model.component import Instance
 from ladder_ros.model.program import Composite, Program
 from ladder_ros.model.types import DataType, INTEGER_RANGE, Value
 from ladder_ros.refactor.metrics import count, Counts, measure
+from ladder_ros.simulating import simulate
 from ladder_ros.source.model_to_xml import write_program
 from ladder_ros.source.xml_to_model import read_program
 
@@ -26,7 +28,7 @@ FLAT = read_program(PROGRAMS / 'elevator_3_floor_flat.xml')
 
 @every_program
 def test_program_when_checked_then_there_is_nothing_to_report(path: Path) -> None:
-    assert session.check(path) == ()
+    assert check(path) == ()
 
 
 @every_program
@@ -161,7 +163,7 @@ def test_readme_when_read_then_it_lists_every_program_and_counts_right() -> None
 
 
 def test_start_stop_when_fed_its_table_then_the_motor_follows_the_buttons() -> None:
-    loaded = session.compile_file(PROGRAMS / 'start_stop.xml')
-    result = session.simulate(loaded, inputs=PROGRAMS / 'start_stop.csv', watch=('motor',))
+    loaded = compile_file(PROGRAMS / 'start_stop.xml')
+    result = simulate(loaded, inputs=PROGRAMS / 'start_stop.csv', watch=('motor',))
     assert [row[0] for row in result] == [
         False, True, True, True, False, False, True, True, False, False]

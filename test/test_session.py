@@ -12,11 +12,14 @@ import threading
 
 import pytest
 
-from ladder_ros import session
+from ladder_ros.checking import check
+from ladder_ros.compiling import BACKENDS
+from ladder_ros.converting import dump, export, STAGES
 from ladder_ros.diagnostics import LadderError, Severity
 from ladder_ros.runtime.clock import SimulatedClock
 from ladder_ros.runtime.exchange import MOST_LETTERS
-from ladder_ros.session import compile_file, Session, simulate
+from ladder_ros.session import compile_file, ScanResult, Session
+from ladder_ros.simulating import DEFAULT_SCANS, InputTable, simulate
 
 MS = 1_000_000
 PATIENCE = 10.0
@@ -110,22 +113,22 @@ def codes(action: Callable[[], object]) -> list[str]:
 # Looking at a file
 
 def test_check_when_the_program_is_right_then_nothing_is_wrong(program: Path) -> None:
-    assert [d for d in session.check(program) if d.severity is Severity.ERROR] == []
+    assert [d for d in check(program) if d.severity is Severity.ERROR] == []
 
 
 def test_check_when_the_file_is_missing_then_that_is_a_diagnostic(tmp_path: Path) -> None:
-    assert [d.code for d in session.check(tmp_path / 'none.xml')] == ['L0109']
+    assert [d.code for d in check(tmp_path / 'none.xml')] == ['L0109']
 
 
 def test_check_when_a_variable_is_unknown_then_it_is_found(program: Path) -> None:
     program.write_text(text(SEAL_IN.replace('"stop"', '"stopp"')))
-    assert [d.code for d in session.check(program)] == ['L0203']
+    assert [d.code for d in check(program)] == ['L0203']
 
 
 def test_check_when_an_inline_composite_has_no_rung_then_it_is_reported(program: Path) -> None:
     composite = '<composites><composite name="Empty" call="inline"/></composites>'
     program.write_text(text(SEAL_IN).replace('<variables>', composite + '<variables>'))
-    assert [d.code for d in session.check(program)] == ['L0305']
+    assert [d.code for d in check(program)] == ['L0305']
 
 
 def test_compile_when_read_then_the_hash_is_that_of_the_bytes(program: Path) -> None:
@@ -139,23 +142,23 @@ def test_compile_when_the_backend_is_unknown_then_l0504(program: Path) -> None:
     assert codes(lambda: compile_file(program, 'abacus')) == ['L0504']
 
 
-@pytest.mark.parametrize('stage', session.STAGES)
+@pytest.mark.parametrize('stage', STAGES)
 def test_dump_when_a_stage_is_named_then_it_prints_something(program: Path, stage: str) -> None:
-    assert 'motor' in session.dump(program, stage)
+    assert 'motor' in dump(program, stage)
 
 
 def test_dump_when_the_pou_is_unknown_then_l0509(program: Path) -> None:
-    assert codes(lambda: session.dump(program, 'il', 'nobody')) == ['L0509']
+    assert codes(lambda: dump(program, 'il', 'nobody')) == ['L0509']
 
 
 def test_export_when_written_as_xml_then_it_means_the_same(program: Path, tmp_path: Path) -> None:
     again = tmp_path / 'again.xml'
-    again.write_text(session.export(program, 'xml'))
-    assert session.dump(again, 'il') == session.dump(program, 'il')
+    again.write_text(export(program, 'xml'))
+    assert dump(again, 'il') == dump(program, 'il')
 
 
 def test_export_when_the_form_is_unknown_then_l0510(program: Path) -> None:
-    assert codes(lambda: session.export(program, 'punched cards')) == ['L0510']
+    assert codes(lambda: export(program, 'punched cards')) == ['L0510']
 
 
 # Simulating
@@ -166,7 +169,7 @@ def table(tmp_path: Path, content: str) -> Path:
     return path
 
 
-@pytest.mark.parametrize('backend', session.BACKENDS)
+@pytest.mark.parametrize('backend', BACKENDS)
 def test_simulate_when_inputs_are_given_then_the_trace_is_right(
     program: Path, tmp_path: Path, backend: str,
 ) -> None:
@@ -188,7 +191,7 @@ def test_simulate_when_inputs_are_given_then_the_trace_is_right(
 def test_simulate_when_nothing_is_watched_then_inputs_and_outputs_are(program: Path) -> None:
     simulation = simulate(compile_file(program))
     assert simulation.header == ('start', 'stop', 'motor', 'warm', 'level')
-    assert (len(list(simulation)), simulation.interval_ns) == (session.DEFAULT_SCANS, 10 * MS)
+    assert (len(list(simulation)), simulation.interval_ns) == (DEFAULT_SCANS, 10 * MS)
 
 
 def test_simulate_when_scans_outnumber_rows_then_the_last_values_stay(
@@ -210,7 +213,7 @@ def test_simulate_when_rows_outnumber_scans_then_the_rest_is_not_run(
 def test_simulate_when_the_interval_is_longer_then_timers_elapse_sooner(program: Path) -> None:
     loaded = compile_file(program)
     start = loaded.executable.by_path['start'].index
-    pressed = session.InputTable(columns=(), rows=(((start, True),),))
+    pressed = InputTable(columns=(), rows=(((start, True),),))
     simulation = simulate(
         loaded, inputs=pressed, scans=4, interval_ns=15 * MS, watch=['elapsed', 't1.Q'])
     assert list(simulation) == [
@@ -367,7 +370,7 @@ def test_force_when_set_then_it_holds_until_released(bench: Bench) -> None:
 def test_observe_when_on_then_listeners_see_the_power_of_each_component(bench: Bench) -> None:
     lit: list[set[str]] = []
 
-    def note(result: session.ScanResult) -> None:
+    def note(result: ScanResult) -> None:
         if result.power is not None:
             lit.append({entry.path for entry in result.executable.components
                         if result.power[entry.index]})

@@ -31,7 +31,8 @@ from ladder_ros.background.packing import (
 )
 from ladder_ros.compiler.llvm_machine import make_object
 from ladder_ros.compiler.object_cache import ObjectCache
-from ladder_ros.compiler.pipeline import Compilation, compile_program, Work
+from ladder_ros.compiler.pipeline import Compilation, compile_program
+from ladder_ros.compiler.program_to_il import Work
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Executable, Variant
 from ladder_ros.garbage import give_back, is_scarce

@@ -7,7 +7,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 
-from ladder_ros import session
+from ladder_ros import checking
 from ladder_ros.cli.programs import find_program
 from ladder_ros.cli.verb import Answer, Verb
 from ladder_ros.diagnostics import Diagnostic, Severity
@@ -19,7 +19,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(args: argparse.Namespace) -> Answer:
     path = find_program(args.program)
-    found = session.check(path)
+    found = checking.check(path)
     counts = {severity: sum(d.severity is severity for d in found) for severity in Severity}
     ok = not counts[Severity.ERROR] and not (args.strict and counts[Severity.WARNING])
     return Answer(

@@ -6,21 +6,21 @@ from __future__ import annotations
 
 import argparse
 
-from ladder_ros import session
+from ladder_ros import converting
 from ladder_ros.cli.programs import find_program
 from ladder_ros.cli.verb import add_output, add_pou, Answer, Verb
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        '--stage', required=True, choices=session.STAGES,
-        help='the stage to look at: ' + ', '.join(session.STAGES))
+        '--stage', required=True, choices=converting.STAGES,
+        help='the stage to look at: ' + ', '.join(converting.STAGES))
     add_pou(parser)
     add_output(parser)
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    text = session.dump(find_program(args.program), args.stage, args.pou)
+    text = converting.dump(find_program(args.program), args.stage, args.pou)
     text = text if text.endswith('\n') else text + '\n'
     return Answer(text=[text], facts={'stage': args.stage, 'text': text}, output=args.output)
 

@@ -6,20 +6,20 @@ from __future__ import annotations
 
 import argparse
 
-from ladder_ros import session
+from ladder_ros import converting
 from ladder_ros.cli.programs import find_program
 from ladder_ros.cli.verb import add_output, Answer, Verb
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        '--to', required=True, choices=session.EXPORTS,
-        help='the form: ' + ', '.join(session.EXPORTS))
+        '--to', required=True, choices=converting.EXPORTS,
+        help='the form: ' + ', '.join(converting.EXPORTS))
     add_output(parser)
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    text = session.export(find_program(args.program), args.to)
+    text = converting.export(find_program(args.program), args.to)
     return Answer(text=[text], facts={'to': args.to, 'text': text}, output=args.output,
                   is_data=True)
 

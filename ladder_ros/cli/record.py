@@ -6,12 +6,14 @@ from __future__ import annotations
 
 import argparse
 
-from ladder_ros import session
+from ladder_ros import simulating
+from ladder_ros.cli.interval import read_interval
 from ladder_ros.cli.programs import find_program
-from ladder_ros.cli.replay import read_interval
 from ladder_ros.cli.verb import Answer, Verb
+from ladder_ros.compiling import compile_file
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.runtime.clock import SimulatedClock
+from ladder_ros.session import Session
 
 PATIENCE = 60
 """Seconds that a single scan may take."""
@@ -22,7 +24,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         '--inputs', metavar='IN.csv', help='table of values, as for ladder simulate')
     parser.add_argument(
         '--scans', metavar='N', type=int,
-        help=f'number of scans (default: the rows of the table, else {session.DEFAULT_SCANS})')
+        help=f'number of scans (default: the rows of the table, else {simulating.DEFAULT_SCANS})')
     parser.add_argument(
         '--interval', metavar='TIME', help="time from scan to scan (default: the program's)")
     parser.add_argument(
@@ -30,13 +32,12 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    loaded = session.compile_file(find_program(args.program))
+    loaded = compile_file(find_program(args.program))
     interval = None if args.interval is None else read_interval(args.interval)
-    simulation = session.simulate(
+    simulation = simulating.simulate(
         loaded, inputs=args.inputs, scans=args.scans, interval_ns=interval)
     clock = SimulatedClock()
-    with session.Session(
-            clock=clock, interval_ns=simulation.interval_ns, background=False) as running:
+    with Session(clock=clock, interval_ns=simulation.interval_ns, background=False) as running:
         running.commit(loaded)
         running.record(args.to)
         _scan(running, clock, simulation)
@@ -50,9 +51,7 @@ def _run(args: argparse.Namespace) -> Answer:
         diagnostics=loaded.diagnostics)
 
 
-def _scan(
-    running: session.Session, clock: SimulatedClock, simulation: session.Simulation,
-) -> None:
+def _scan(running: Session, clock: SimulatedClock, simulation: simulating.Simulation) -> None:
     """Let one scan after the other happen; the inputs of each are written before it."""
     rows = simulation.rows
     for number in range(max(simulation.scans, 0)):

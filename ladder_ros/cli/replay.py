@@ -7,11 +7,11 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ladder_ros import session
+from ladder_ros import simulating
+from ladder_ros.cli.interval import read_interval
 from ladder_ros.cli.programs import find_program
 from ladder_ros.cli.verb import add_output, Answer, Verb
-from ladder_ros.diagnostics import LadderError, Location
-from ladder_ros.model.types import parse_time
+from ladder_ros.compiling import compile_file, Loaded
 from ladder_ros.ros import bag
 
 
@@ -37,8 +37,8 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(args: argparse.Namespace) -> Answer:
     if bag.is_bag(Path(args.recording)):
         return _play(args)
-    loaded = [session.compile_file(find_program(name)) for name in (args.program, *args.also)]
-    result = session.replay(args.recording, loaded)
+    loaded = [compile_file(find_program(name)) for name in (args.program, *args.also)]
+    result = simulating.replay(args.recording, loaded)
     first = result.first_difference
     if first is None:
         text = f'{result.scans} scans, all of them equal to the recording\n'
@@ -51,13 +51,13 @@ def _run(args: argparse.Namespace) -> Answer:
 
 
 def _play(args: argparse.Namespace) -> Answer:
-    loaded = session.compile_file(find_program(args.program))
+    loaded = compile_file(find_program(args.program))
     interval = read_interval(args.interval) if args.interval else _own_interval(loaded)
     played = bag.play(
         Path(args.recording), loaded.executable, interval, parameters=args.params,
         node='/' + args.node.strip('/'))
     watch = [name.strip() for names in args.watch for name in names.split(',') if name.strip()]
-    simulation = session.simulate(
+    simulation = simulating.simulate(
         loaded, inputs=played.table, scans=played.scans,
         interval_ns=interval if args.interval else played.interval_ns, watch=watch)
     return Answer(
@@ -68,19 +68,8 @@ def _play(args: argparse.Namespace) -> Answer:
             'messages': played.messages, 'rejected': played.rejected})
 
 
-def _own_interval(loaded: session.Loaded) -> int:
-    return session.simulate(loaded, scans=0).interval_ns
-
-
-def read_interval(text: str) -> int:
-    """Read a time from scan to scan, in ns.  Raises LadderError L0505."""
-    try:
-        interval = parse_time(text)
-        if interval <= 0:
-            raise ValueError('time must go on from scan to scan')
-    except ValueError as error:
-        raise LadderError.of('L0505', Location(), value=text, reason=error) from None
-    return interval
+def _own_interval(loaded: Loaded) -> int:
+    return simulating.simulate(loaded, scans=0).interval_ns
 
 
 VERB = Verb(

@@ -8,12 +8,19 @@ import argparse
 from collections.abc import Mapping
 import os
 
-from ladder_ros import session
 from ladder_ros.cli import terminal
+from ladder_ros.cli.interval import read_interval
 from ladder_ros.cli.programs import find_program
 from ladder_ros.cli.verb import add_output, Answer, Verb
+from ladder_ros.compiling import BACKENDS, compile_file, DEFAULT_BACKEND, Loaded
 from ladder_ros.diagnostics import LadderError, Location
-from ladder_ros.model.types import parse_time
+from ladder_ros.simulating import (
+    Campaign,
+    DEFAULT_SCANS,
+    format_value,
+    simulate,
+    Simulation,
+)
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,13 +31,13 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
              'tables, each a simulation of its own (see --into)')
     parser.add_argument(
         '--scans', metavar='N', type=_count,
-        help=f'number of scans (default: the rows of the table, else {session.DEFAULT_SCANS})')
+        help=f'number of scans (default: the rows of the table, else {DEFAULT_SCANS})')
     parser.add_argument(
         '--interval', metavar='TIME',
         help="time from scan to scan, for instance 10ms or T#1.5s (default: the program's)")
     parser.add_argument(
-        '--backend', default=session.DEFAULT_BACKEND,
-        help=f'what runs the program: {", ".join(session.BACKENDS)} (default: %(default)s)')
+        '--backend', default=DEFAULT_BACKEND,
+        help=f'what runs the program: {", ".join(BACKENDS)} (default: %(default)s)')
     parser.add_argument(
         '--watch', metavar='A,B', action='append', default=[],
         help='the variables to print, dotted paths reach into instances (default: inputs and '
@@ -53,18 +60,18 @@ def _count(text: str) -> int:
 
 
 def _run(args: argparse.Namespace) -> Answer:
-    interval = None if args.interval is None else _interval(args.interval)
+    interval = None if args.interval is None else read_interval(args.interval)
     watch = [name.strip() for names in args.watch for name in names.split(',') if name.strip()]
     tables = _tables(args.inputs, args.into, args.output)
-    loaded = session.compile_file(find_program(args.program), args.backend)
+    loaded = compile_file(find_program(args.program), args.backend)
 
-    def simulate(table: str | None) -> session.Simulation:
-        return session.simulate(
+    def simulation_of(table: str | None) -> Simulation:
+        return simulate(
             loaded, inputs=table, scans=args.scans, interval_ns=interval, watch=watch)
 
     if tables:
-        return _campaign(loaded, {table: simulate(table) for table in tables}, args.into)
-    simulation = simulate(args.inputs)
+        return _campaign(loaded, {table: simulation_of(table) for table in tables}, args.into)
+    simulation = simulation_of(args.inputs)
     facts: dict[str, object] = {
         'backend': loaded.backend, 'scans': simulation.scans,
         'interval_ms': simulation.interval_ns / 1e6, 'columns': simulation.header}
@@ -72,7 +79,7 @@ def _run(args: argparse.Namespace) -> Answer:
         types = [slot.type for slot in simulation.slots]
         # As in the CSV: JSON has no NaN, and no integers of 64 bits that every reader keeps.
         facts['rows'] = [
-            [session.format_value(value, type_) for value, type_ in zip(row, types, strict=True)]
+            [format_value(value, type_) for value, type_ in zip(row, types, strict=True)]
             for row in simulation]
     return Answer(text=simulation.csv(), facts=facts, diagnostics=loaded.diagnostics,
                   output=args.output, is_data=True)
@@ -114,14 +121,14 @@ def _tables(inputs: str | None, folder: str | None, output: str | None) -> list[
 
 
 def _campaign(
-    loaded: session.Loaded, simulations: Mapping[str, session.Simulation], folder: str,
+    loaded: Loaded, simulations: Mapping[str, Simulation], folder: str,
 ) -> Answer:
     """Run the simulations of some tables, each to its file.  Raises LadderError (L0506, L0507)."""
     try:
         os.makedirs(folder, exist_ok=True)
     except OSError as error:
         raise LadderError.of('L0507', Location(file=folder), reason=error.strerror) from None
-    campaign = session.Campaign(simulations=tuple(simulations.values()))
+    campaign = Campaign(simulations=tuple(simulations.values()))
     done = []
     for (table, simulation), rows in zip(simulations.items(), campaign, strict=True):
         target = os.path.join(folder, os.path.basename(table))
@@ -130,14 +137,6 @@ def _campaign(
     return Answer(
         text=[f'{one["scans"]} scans are in {one["output"]}\n' for one in done],
         facts={'backend': loaded.backend, 'simulations': done}, diagnostics=loaded.diagnostics)
-
-
-def _interval(text: str) -> int:
-    """Read a duration in ns.  Raises LadderError L0505."""
-    try:
-        return parse_time(text)
-    except ValueError as error:
-        raise LadderError.of('L0505', Location(), value=text, reason=error) from None
 
 
 VERB = Verb(

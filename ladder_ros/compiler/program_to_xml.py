@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.compiler.stages import completed
 from ladder_ros.diagnostics import raise_errors
 from ladder_ros.model.program import Program

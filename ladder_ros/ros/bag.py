@@ -28,7 +28,8 @@ from ladder_ros.ros.io_points import IoMap
 from ladder_ros.ros.parameters import read_settings, Settings
 from ladder_ros.ros.reception import Input, Reception, Source
 from ladder_ros.ros.rules import did_you_mean
-from ladder_ros.session import Inlet, InputTable
+from ladder_ros.session import Inlet
+from ladder_ros.simulating import InputTable
 
 SUFFIXES = ('.db3', '.mcap')
 NODE = '/plc_node'

@@ -76,7 +76,7 @@ def prepare_simulation(
     executable: Executable, *, inputs: str | os.PathLike[str] | InputTable | None = None,
     scans: int | None = None, interval_ns: int | None = None, watch: Sequence[str] = (),
 ) -> Simulation:
-    """Prepare a simulation; what is left out is filled in (see ``session.simulate``).
+    """Prepare a simulation; what is left out is filled in (see ``simulating.simulate``).
 
     Raises LadderError (L0501 to L0505).
     """

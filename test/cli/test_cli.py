@@ -17,9 +17,11 @@ from cli.texts import BROKEN, DANGLING, SEAL_IN, TWO_COILS
 import pytest
 
 import ladder_ros
-from ladder_ros import session
+from ladder_ros import checking
 from ladder_ros.cli import main as command
 from ladder_ros.cli.verb import Answer
+from ladder_ros.compiling import BACKENDS
+from ladder_ros.converting import STAGES
 from ladder_ros.diagnostics import InternalError
 
 INPUTS = 'start,stop\n1,\n0,\n,\n,1\n'
@@ -173,7 +175,7 @@ def test_pou_when_unknown_then_it_is_a_diagnostic(inside: Inside, args: tuple[st
 
 def test_dump_when_each_stage_is_asked_for_then_each_prints_something(inside: Inside) -> None:
     texts = {stage: inside('dump', 'seal_in.xml', '--stage', stage).stdout
-             for stage in session.STAGES}
+             for stage in STAGES}
     assert len(set(texts.values())) == len(texts)
     assert all('motor' in text for text in texts.values())
 
@@ -207,7 +209,7 @@ def test_simulate_when_more_scans_than_rows_then_the_last_inputs_hold(
     assert run.stdout.split() == ['t1.Q', '0', '0', '0', '1', '1']
 
 
-@pytest.mark.parametrize('backend', session.BACKENDS)
+@pytest.mark.parametrize('backend', BACKENDS)
 def test_simulate_when_written_to_a_file_then_backends_agree(
     folder: Path, inside: Inside, backend: str
 ) -> None:
@@ -226,7 +228,7 @@ def test_simulate_when_json_is_asked_for_then_rows_are_in_the_document(inside: I
     assert document['rows'] == [['1', '0'], ['1', '10'], ['1', '20'], ['0', '0']]
 
 
-@pytest.mark.parametrize('backend', session.BACKENDS)
+@pytest.mark.parametrize('backend', BACKENDS)
 def test_simulate_when_given_a_folder_of_tables_then_each_has_its_results(
     folder: Path, inside: Inside, backend: str
 ) -> None:
@@ -312,7 +314,7 @@ def test_command_when_a_verb_fails_then_the_status_tells_how(
     def fail(path: str) -> Answer:
         raise raised
 
-    monkeypatch.setattr(session, 'check', fail)
+    monkeypatch.setattr(checking, 'check', fail)
     monkeypatch.setattr(command.terminal, 'abandon_output', lambda: None)
     assert command.main(['check', 'x.xml', *(['--json'] if as_json else [])]) == status
     printed = capsys.readouterr()

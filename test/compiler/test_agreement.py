@@ -24,7 +24,7 @@ from support.random_rungs import (
 from compiler.agreement import assert_agreement, assert_same, executable, Machine, QUICK
 from compiler.mutations import mutated_cases
 from ladder_ros.compiler.backends import BACKENDS
-from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.diagnostics import has_errors
 from ladder_ros.executable import SlotClass
 from ladder_ros.model.component import Argument, Block, Coil, Contact, Instance, Placement

@@ -12,7 +12,8 @@ from textwrap import indent
 import pytest
 
 from compiler.agreement import executable
-from ladder_ros.compiler.pipeline import check_program, compile_program
+from ladder_ros.compiler.pipeline import compile_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.compiler.symbols import Ref, Resolved
 from ladder_ros.compiler.wiring import End, Net, Part, Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov

@@ -16,7 +16,7 @@ from compiler.imported_programs import (
     variables,
     wired,
 )
-from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.model.types import NS_PER_MS
 
 MS = NS_PER_MS

@@ -21,7 +21,8 @@ from compiler.imported_programs import (
     with_order,
 )
 from ladder_ros.compiler.backends import BACKENDS
-from ladder_ros.compiler.pipeline import check_program, compile_program
+from ladder_ros.compiler.pipeline import compile_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.coordinates.imported import with_drawings
 from ladder_ros.drawing.rung_text import draw_program
 from ladder_ros.executable import SlotClass

@@ -21,7 +21,8 @@ from support.random_rungs import Case, cases, Wishes
 
 from ladder_ros.compiler import stages
 from ladder_ros.compiler.model_to_wiring import analyse_connections
-from ladder_ros.compiler.pipeline import Compilation, compile_program, Work
+from ladder_ros.compiler.pipeline import Compilation, compile_program
+from ladder_ros.compiler.program_to_il import Work
 from ladder_ros.diagnostics import Diagnostic, LadderError
 from ladder_ros.edit.operations import apply_edit
 from ladder_ros.executable import Executable, Variant

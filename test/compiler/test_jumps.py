@@ -31,7 +31,7 @@ from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.compiler.il import LoopError
 from ladder_ros.compiler.il_text import parse_il, print_il
 from ladder_ros.compiler.link import link_code
-from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.compiler.stages import analyse, build_trees, lower
 from ladder_ros.coordinates.imported import with_drawings
 from ladder_ros.diagnostics import LadderError

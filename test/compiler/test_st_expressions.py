@@ -204,7 +204,7 @@ def test_expression_when_wrong_then_says_what(text: str, expected: list[str]) ->
 
 
 def test_name_when_likely_misspelt_then_hint_says_so() -> None:
-    from ladder_ros.compiler.pipeline import check_program
+    from ladder_ros.compiler.program_to_il import check_program
 
     (found,) = check_program(program('levl := 1;', {'level': T.INT}))
     assert 'did you mean level?' in found.help

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import initialize, invariant, precondition, rule, RuleBasedStateMachine
 
 from ladder_ros.compiler.model_to_wiring import analyse_connections
-from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.edit.edits import (
     AddOutput,

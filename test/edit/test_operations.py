@@ -15,7 +15,8 @@ from support.random_rungs import Case, cases, Wishes
 
 from edit.random_edits import random_edit
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
-from ladder_ros.compiler.pipeline import check_program, compile_program
+from ladder_ros.compiler.pipeline import compile_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.edit.edits import (
     AddOutput,

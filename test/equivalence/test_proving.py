@@ -12,7 +12,7 @@ import pytest
 from support.random_rungs import random_case
 from support.rewrites import mutate, REWRITES, with_outputs
 
-from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.executable import Executable
 from ladder_ros.model.program import Program

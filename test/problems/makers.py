@@ -24,6 +24,8 @@ from ladder_ros.compiler.stages import analyse
 from ladder_ros.compiler.symbols import Resolved
 from ladder_ros.compiler.wiring import End, Net, Part, Wiring
 from ladder_ros.compiler.wiring_to_aov import build_aov
+from ladder_ros.compiling import compile_file
+from ladder_ros.converting import export
 from ladder_ros.coordinates.aov_to_rung import draw_rung
 from ladder_ros.diagnostics import LadderError, render
 from ladder_ros.model.component import Contact, Placement
@@ -33,7 +35,8 @@ from ladder_ros.runtime.clock import SimulatedClock
 from ladder_ros.runtime.retain_store import load_retained, Retained, save_retained
 from ladder_ros.runtime.scan_cycle import ProgramFault, ScanCycle
 from ladder_ros.runtime.simulation import Simulation
-from ladder_ros.session import compile_file, export, replay, Requirement, Session
+from ladder_ros.session import Requirement, Session
+from ladder_ros.simulating import replay
 from ladder_ros.source.xml_to_model import parse_program
 
 

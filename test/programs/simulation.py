@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from pathlib import Path
 
-from ladder_ros import session
+from ladder_ros.compiling import compile_file
 from ladder_ros.executable import Executable, SlotClass
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.scan_cycle import ScanCycle
@@ -23,7 +23,7 @@ MS = 1_000_000
 @cache
 def executable(name: str, backend: str) -> Executable:
     """Compile a delivered program once for all tests."""
-    return session.compile_file(PROGRAMS / f'{name}.xml', backend).executable
+    return compile_file(PROGRAMS / f'{name}.xml', backend).executable
 
 
 class Run:

@@ -13,7 +13,7 @@ import pytest
 from support.random_rungs import Case
 
 from ladder_ros import refactoring
-from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.executable import SlotClass
 from ladder_ros.model.component import Column, Row

@@ -11,8 +11,10 @@ import shutil
 from compiler.agreement import Machine
 import pytest
 
-from ladder_ros import refactoring, session
+from ladder_ros import refactoring
+from ladder_ros.checking import check
 from ladder_ros.cli.main import main
+from ladder_ros.compiling import compile_file
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.source.libraries import FOLDERS
 from ladder_ros.source.read_any import read_any
@@ -35,7 +37,7 @@ def write(path: Path, edit: refactoring.Refactored) -> None:
 
 
 def codes(path: Path) -> list[str]:
-    return [diagnostic.code for diagnostic in session.check(path)]
+    return [diagnostic.code for diagnostic in check(path)]
 
 
 @pytest.mark.parametrize('path', ['../lift.xml', 'library/../lift.xml', '{folder}/lift.xml'])
@@ -70,7 +72,7 @@ def test_library_when_checked_then_it_needs_no_body(folder: Path) -> None:
 
 def test_library_when_run_then_there_is_nothing_to_run(folder: Path) -> None:
     with pytest.raises(LadderError) as caught:
-        session.compile_file(folder / 'library/lift.xml')
+        compile_file(folder / 'library/lift.xml')
     assert 'L0219' in str(caught.value)
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import pytest
 from support.random_rungs import Case, cases
 
-from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.diagnostics import has_errors, LadderError
 from ladder_ros.model.component import Instance
 from ladder_ros.model.program import CallKind, Program, RunKind

@@ -12,8 +12,9 @@ from typing import Any
 
 import pytest
 
-from ladder_ros import session
+from ladder_ros.checking import check
 from ladder_ros.cli.main import main
+from ladder_ros.converting import export
 from refactor.drawings import PROGRAMS
 
 Run = Callable[..., tuple[int, Any]]
@@ -55,7 +56,7 @@ def test_action_when_it_changes_a_program_then_the_file_written_is_fine(
 ) -> None:
     status, document = run(*words, '-o', 'new.xml')
     assert (status, document['ok'], document['output']) == (0, True, 'new.xml')
-    assert session.check('new.xml') == ()
+    assert check('new.xml') == ()
 
 
 def test_action_when_no_file_is_named_then_the_program_is_the_answer(run: Run) -> None:
@@ -100,7 +101,7 @@ def test_action_when_it_cannot_be_then_a_problem_says_why(
 
 def test_action_when_the_program_was_drawn_elsewhere_then_it_is_refused(run: Run) -> None:
 
-    Path('plc.xml').write_text(session.export('flat.xml', 'plcopen'))
+    Path('plc.xml').write_text(export('flat.xml', 'plcopen'))
     status, document = run('refactor', 'plc.xml', 'auto')
     assert (status, document['diagnostics'][0]['code']) == (1, 'L0511')
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from lxml import etree
 import pytest
 
-from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.drawing.rung_text import draw_program
 from ladder_ros.problems import PROBLEMS
 from ladder_ros.source import grammar, SCHEMA, xml_tree

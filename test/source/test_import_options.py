@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from ladder_ros.compiler.pipeline import check_program, compile_program
+from ladder_ros.compiler.pipeline import compile_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Variant
 from ladder_ros.model.program import Order

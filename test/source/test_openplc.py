@@ -24,7 +24,8 @@ from support.openplc import (
     Series,
 )
 
-from ladder_ros.compiler.pipeline import check_program, compile_program
+from ladder_ros.compiler.pipeline import compile_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Executable, SlotClass
 from ladder_ros.model.component import (

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 import pytest
 from support.openplc import block, bools, configuration, ladder, links, Node, pou, save
 
-from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.diagnostics import Diagnostic, LadderError
 from ladder_ros.source.openplc_json import MAX_DEPTH, parse_json
 from ladder_ros.source.read_any import read_any

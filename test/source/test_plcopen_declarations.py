@@ -7,7 +7,7 @@ from __future__ import annotations
 import pytest
 from support.plcopen import element, ladder, read, variable
 
-from ladder_ros.compiler.pipeline import check_program
+from ladder_ros.compiler.program_to_il import check_program
 from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.derived import leaves
 from ladder_ros.model.program import Program, Variable
