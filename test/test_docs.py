@@ -26,7 +26,7 @@ from support.documents import (
 )
 import yaml
 
-from ladder_ros.cli.main import VERBS
+from ladder_ros.cli.verbs import VERBS
 from ladder_ros.compiler.il import Op
 
 if TYPE_CHECKING:

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 from ladder_ros.cli.programs import find_program
 from ladder_ros.cli.verb import add_json, Answer
-from ladder_ros.refactoring import Refactored
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,11 +43,3 @@ def run_action(actions: Mapping[str, Action]) -> Callable[[argparse.Namespace], 
         return actions[args.action].run(args)
 
     return run
-
-
-def refactored(new: Refactored, args: argparse.Namespace) -> Answer:
-    """Answer with a new program; what was done to it is in the JSON document."""
-    facts: dict[str, object] = {'action': args.action, 'done': list(new.done), **new.facts}
-    if args.output is None:
-        facts['text'] = new.text
-    return Answer(text=[new.text], facts=facts, output=args.output, is_data=True)

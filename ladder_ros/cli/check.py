@@ -38,9 +38,7 @@ def _summary(found: Sequence[Diagnostic], ok: bool) -> str:
 
 
 VERB = Verb(
-    name='check',
-    summary='report everything that is wrong with a program',
     description='Read and compile a program and report every problem with its place and what to '
                 'do about it. Each code has a page in docs/problems.',
-    examples=('check elevator_3_floor.xml', 'check --json --strict line.xml'),
+    examples=('check --json --strict line.xml',),
     add_arguments=_add_arguments, run=_run)

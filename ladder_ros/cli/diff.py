@@ -84,12 +84,10 @@ def _for_git(args: argparse.Namespace, path: str, old: str, new: str) -> Answer:
 
 
 VERB = Verb(
-    name='diff',
-    summary='tell what changed between two programs, in ladder terms',
     description='Tell which rungs, components, variables, tasks and composites were added, '
                 'changed, moved or removed, and draw rungs that changed side by side. Exit status '
                 '0 if nothing did, 1 if something did. Also a diff driver for git: see '
                 'docs/diff.md.',
-    examples=('diff old.xml new.xml', 'diff old.xml new.xml --html changes.html',
+    examples=('diff old.xml new.xml --html changes.html',
               'diff elevator_3_floor_flat elevator_3_floor --json'),
     add_arguments=_add_arguments, run=_run)

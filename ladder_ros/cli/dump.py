@@ -26,9 +26,7 @@ def _run(args: argparse.Namespace) -> Answer:
 
 
 VERB = Verb(
-    name='dump',
-    summary='print what a stage of the compiler made of a program',
     description='Print a program as one stage of the compiler leaves it: connections, AOV graph, '
                 'AND/OR tree, instruction list, generated code. docs/pipeline.md explains them.',
-    examples=('dump start_stop.xml --stage wiring', 'dump start_stop.xml --stage il --pou main'),
+    examples=('dump start_stop.xml --stage il --pou main',),
     add_arguments=_add_arguments, run=_run)

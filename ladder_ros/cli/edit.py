@@ -239,13 +239,10 @@ ACTIONS: Mapping[str, Action] = {
 """The words behind the program."""
 
 VERB = Verb(
-    name='edit',
-    summary='change rungs by operations that keep them right',
     description='Change a rung by its graph and draw it anew: what comes out compiles, has an '
                 'output at the end of every branch, and is not too wide. The rung is printed; '
                 'the program is only written with -o.',
-    examples=('edit start_stop add-series 1 c2 --contact ready --kind nc -o new.xml',
-              'edit start_stop add-parallel 1 c2 --until c3 --contact start',
+    examples=('edit start_stop add-parallel 1 c2 --until c3 --contact start',
               'edit start_stop delete 1 c3',
               'edit start_stop new-rung --coil ready --before 2'),
     add_arguments=add_actions(ACTIONS), run=run_action(ACTIONS))

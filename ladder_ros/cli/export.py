@@ -25,11 +25,9 @@ def _run(args: argparse.Namespace) -> Answer:
 
 
 VERB = Verb(
-    name='export',
-    summary='write a program in another form',
     description='Write a program in another form: xml, our own in canonical order; plcopen, TC6 '
                 'XML 2.01 for OpenPLC Editor, Beremiz and CODESYS; st, the whole project as '
                 'Structured Text of IEC 61131-3; il, the instruction list that is executed.',
-    examples=('export old.xml --to xml -o new.xml',
-              'export start_stop.xml --to plcopen -o plc.xml', 'export plc.xml --to st'),
+    examples=('export start_stop.xml --to plcopen -o plc.xml',
+              'export plc.xml --to st'),
     add_arguments=_add_arguments, run=_run)

@@ -5,10 +5,11 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 
 from ladder_ros import refactoring
-from ladder_ros.cli.actions import Action, add_actions, refactored, run_action
+from ladder_ros.cli.actions import Action, add_actions, run_action
+from ladder_ros.cli.new_program import refactored
 from ladder_ros.cli.terminal import shows_box_characters
 from ladder_ros.cli.verb import add_output, Answer, Verb
 from ladder_ros.refactoring import Viewed
@@ -116,15 +117,11 @@ ACTIONS: Mapping[str, Action] = {
 }
 """The words that may stand behind the file."""
 
-EXAMPLES: Sequence[str] = (
-    'library elevator_3_floor.xml list', 'library elevator_3_floor.xml view FloorIndicator',
-    'library elevator_3_floor.xml export FloorIndicator -o indicator.xml',
-    'library program.xml use library/elevator.xml -o new.xml')
-
 VERB = Verb(
-    name='library',
-    summary='list, view, exchange and use composites in library files',
     description='A library is a file of composites without bodies. PROGRAM is a library or a '
                 'program, which has composites too. Programs use a library by its path and hash; '
                 'a library that has changed is refused until update takes it.',
-    examples=tuple(EXAMPLES), add_arguments=add_actions(ACTIONS), run=run_action(ACTIONS))
+    examples=('library elevator_3_floor.xml view FloorIndicator',
+              'library elevator_3_floor.xml export FloorIndicator -o indicator.xml',
+              'library program.xml use library/elevator.xml -o new.xml'),
+    add_arguments=add_actions(ACTIONS), run=run_action(ACTIONS))

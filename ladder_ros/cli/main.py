@@ -15,7 +15,6 @@ from collections.abc import Mapping, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 import difflib
-from importlib import import_module
 import io
 import json
 from pathlib import Path
@@ -38,12 +37,8 @@ from ladder_ros.cli.verb import (
     USAGE,
     Verb,
 )
+from ladder_ros.cli.verbs import Entry, load_verb, VERBS
 from ladder_ros.diagnostics import InternalError, LadderError, render
-
-VERBS = (
-    'check', 'show', 'dump', 'simulate', 'export', 'edit', 'metrics', 'refactor', 'library',
-    'diff', 'prove', 'record', 'replay')
-"""The verbs, each a module, in the order in which they are useful."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -79,7 +74,7 @@ def _run(arguments: list[str], as_json: bool) -> int:
         return _say(parsed, as_json)
     parsed.json = as_json
     try:
-        answer = _verb(parsed.verb).run(parsed)
+        answer = load_verb(parsed.verb).run(parsed)
         return _print(answer, parsed)
     except LadderError as error:
         if as_json:
@@ -150,17 +145,16 @@ def _print_json(document: Mapping[str, object]) -> None:
 
 def _parse(arguments: list[str]) -> argparse.Namespace | _Said:
     """Parse the arguments; what argparse would print while leaving the process is returned."""
-    # Nobody waits for the modules of verbs that are not asked for.
-    parser = _parser(arguments[:1] if arguments[:1] and arguments[0] in VERBS else VERBS)
     verb = next((word for word in arguments if not word.startswith('-')), None)
-    if verb is None and not {'-h', '--help', '--version'} & set(arguments):
-        return _Said(status=USAGE, text=parser.format_help())
     if verb is not None and verb not in VERBS:
         near = difflib.get_close_matches(verb, VERBS, 1, 0.5)
         hint = f'; did you mean {near[0]}?' if near else ''
         return _Said(status=USAGE, text=(
-            f'{parser.format_usage()}ladder: there is no verb {verb!r}{hint} '
+            f'{_parser().format_usage()}ladder: there is no verb {verb!r}{hint} '
             f'(verbs: {", ".join(VERBS)})'))
+    parser = _parser(verb)
+    if verb is None and not {'-h', '--help', '--version'} & set(arguments):
+        return _Said(status=USAGE, text=parser.format_help())
     printed, complained = io.StringIO(), io.StringIO()
     try:
         with redirect_stdout(printed), redirect_stderr(complained):
@@ -170,29 +164,31 @@ def _parse(arguments: list[str]) -> argparse.Namespace | _Said:
         return _Said(status=status, text=printed.getvalue() or complained.getvalue())
 
 
-def _verb(name: str) -> Verb:
-    verb: Verb = import_module(f'ladder_ros.cli.{name}').VERB
-    return verb
-
-
-def _parser(names: Sequence[str]) -> argparse.ArgumentParser:
-    known = [_verb(name) for name in names]
+def _parser(asked: str | None = None) -> argparse.ArgumentParser:
+    """Return a parser that knows all verbs by name, and the options of the one asked for."""
     parser = argparse.ArgumentParser(
         prog='ladder', allow_abbrev=False, formatter_class=argparse.RawDescriptionHelpFormatter,
         description='Check, look at and try out ladder programs; nothing here needs ROS.',
-        epilog=examples(verb.examples[0] for verb in known)
+        epilog=examples(entry.example for entry in VERBS.values())
         + '\n\nladder VERB --help tells more. Exit status: 0 fine, 1 problems, 2 usage,\n'
         '3 not decided (prove), 70 a fault of ladder itself.')
     parser.add_argument('--version', action='version', version=ladder_ros.__version__)
     add_json(parser)
     verbs = parser.add_subparsers(dest='verb', metavar='VERB', required=True)
-    for verb in known:
+    for name, entry in VERBS.items():
         one = verbs.add_parser(
-            verb.name, help=verb.summary, description=fill(verb.description, 79),
-            formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
-            epilog=examples(verb.examples))
-        one.add_argument('program', metavar='PROGRAM',
-                         help='a file, or the name of an example that comes with ladder_ros')
-        verb.add_arguments(one)
-        add_json(one)
+            name, help=entry.summary, allow_abbrev=False,
+            formatter_class=argparse.RawDescriptionHelpFormatter)
+        if name == asked:
+            _complete(one, entry, load_verb(name))
     return parser
+
+
+def _complete(parser: argparse.ArgumentParser, entry: Entry, verb: Verb) -> None:
+    """Add a verb's help and arguments to its parser."""
+    parser.description = fill(verb.description, 79)
+    parser.epilog = examples((entry.example, *verb.examples))
+    parser.add_argument('program', metavar='PROGRAM',
+                        help='a file, or the name of an example that comes with ladder_ros')
+    verb.add_arguments(parser)
+    add_json(parser)

@@ -95,13 +95,10 @@ def _composites(composites: tuple[Granularity, ...]) -> Iterator[str]:
 
 
 VERB = Verb(
-    name='metrics',
-    summary='count components, settings, size, time to load and to show',
     description='Count what a program takes to draw (components, parameter settings, connection '
                 'settings, a definition once), its size in canonical form, how long it takes to '
                 'load, to show and to compile (processor time), and tell how well its composites '
                 'are cut.',
-    examples=('metrics elevator_3_floor.xml',
-              'metrics elevator_3_floor.xml --against elevator_3_floor_flat.xml',
+    examples=('metrics elevator_3_floor.xml --against elevator_3_floor_flat.xml',
               'metrics start_stop --runs 0 --json'),
     add_arguments=_add_arguments, run=_run)

@@ -108,13 +108,10 @@ def _headline(proof: Proof) -> str:
 
 
 VERB = Verb(
-    name='prove',
-    summary='decide whether two programs behave alike, or whether something never happens',
     description='Decide whether two programs give the same outputs after every scan for the same '
                 'inputs, from a start and where the second takes over from the first; or whether '
                 'an expression is never, or always, TRUE. The answer is a proof, a sequence of '
                 'inputs that shows the contrary, or unknown (exit status 0, 1, 3). Needs z3.',
-    examples=('prove elevator_3_floor_flat elevator_3_floor',
-              "prove elevator_3_floor --never 'contactor_up AND contactor_down'",
+    examples=("prove elevator_3_floor --never 'contactor_up AND contactor_down'",
               'prove old.xml new.xml --depth 50 -o difference.csv'),
     add_arguments=_add_arguments, run=_run)

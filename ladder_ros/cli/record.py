@@ -73,10 +73,7 @@ def _scan(running: Session, clock: SimulatedClock, simulation: simulating.Simula
 
 
 VERB = Verb(
-    name='record',
-    summary='record the scans of a simulation, to be replayed',
     description='Run a program scan by scan as ladder simulate does and record it, so that ladder '
                 'replay can run it again and compare. A running node records itself: call its '
                 'service ~/record.',
-    examples=('record start_stop.xml --inputs presses.csv -o presses.ladder-trace',),
     add_arguments=_add_arguments, run=_run)

@@ -8,7 +8,8 @@ import argparse
 from collections.abc import Iterator, Mapping, Sequence
 
 from ladder_ros import refactoring
-from ladder_ros.cli.actions import Action, add_actions, refactored, run_action
+from ladder_ros.cli.actions import Action, add_actions, run_action
+from ladder_ros.cli.new_program import refactored
 from ladder_ros.cli.verb import add_output, Answer, Verb
 from ladder_ros.refactoring import Goal, Repeat
 
@@ -165,12 +166,9 @@ ACTIONS: Mapping[str, Action] = {
 """The words that may stand behind the program."""
 
 VERB = Verb(
-    name='refactor',
-    summary='find what repeats, make composites of it',
     description='Find what repeats in a program, make composite components of it, and take them '
                 'apart again. What the program does stays the same, and an online change to the '
                 'new program keeps its state. The new program goes to standard output or a file.',
-    examples=('refactor elevator_3_floor_flat.xml find',
-              'refactor elevator_3_floor_flat.xml auto -o smaller.xml',
+    examples=('refactor elevator_3_floor_flat.xml auto -o smaller.xml',
               'refactor old.xml extract --rungs 6 7 --name Indicator --everywhere -o new.xml'),
     add_arguments=add_actions(ACTIONS), run=run_action(ACTIONS))

@@ -73,13 +73,10 @@ def _own_interval(loaded: Loaded) -> int:
 
 
 VERB = Verb(
-    name='replay',
-    summary='run a recording again, scan by scan, without ROS',
     description='A recording of a running node (~/record) is run again and compared with what '
                 'came out then, bit by bit: exit status 0 if all scans are equal. A rosbag2 '
                 "recording is taken as the program's inputs by the node's I/O map, and the values "
                 'after each scan are printed as a table (CSV).',
-    examples=('replay press.xml monday.ladder-trace',
-              'replay press.xml monday.ladder-trace --also press_old.xml',
+    examples=('replay press.xml monday.ladder-trace --also press_old.xml',
               'replay press.xml monday_bag --params cell.yaml --watch motor -o out.csv'),
     add_arguments=_add_arguments, run=_run)

@@ -71,11 +71,10 @@ def _run(args: argparse.Namespace) -> Answer:
 
 
 VERB = Verb(
-    name='show',
-    summary='draw the rungs in text or as SVG, or write a report',
     description='Draw the rungs of a program, or of one of its bodies or composites. Wrong '
                 'drawings are drawn too, with what is connected to nothing marked.',
-    examples=('show elevator_3_floor.xml', 'show elevator_3_floor.xml --pou FloorIndicator --grid',
-              'show start_stop --ascii', 'show start_stop --svg start_stop.svg',
+    examples=('show elevator_3_floor.xml --pou FloorIndicator --grid',
+              'show start_stop --ascii',
+              'show start_stop --svg start_stop.svg',
               'show elevator_3_floor --html elevator.html'),
     add_arguments=_add_arguments, run=_run)

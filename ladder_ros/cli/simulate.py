@@ -140,13 +140,10 @@ def _campaign(
 
 
 VERB = Verb(
-    name='simulate',
-    summary='run scans without ROS, from a table of inputs to a table of outputs',
     description='Run a program scan by scan: the first scan is at time 0, the k-th at k times the '
                 'interval. Inputs come from a table (CSV), values after each scan go to another. '
                 'A folder of tables is a campaign of simulations.',
-    examples=('simulate start_stop.xml --inputs presses.csv',
-              'simulate traffic_light --scans 100 --interval 1s --watch red,green',
+    examples=('simulate traffic_light --scans 100 --interval 1s --watch red,green',
               'simulate line.xml --inputs in.csv --backend interpreter -o out.csv',
               'simulate line.xml --inputs cases --into results --backend native'),
     add_arguments=_add_arguments, run=_run)

@@ -51,14 +51,12 @@ class Answer:
 class Verb:
     """A verb: its help, its arguments, and what it does.
 
-    ``run`` raises LadderError for the user's mistakes; ``examples`` are command lines without
+    ``run`` raises LadderError for the user's mistakes; ``examples`` are more command lines without
     the program's name.
     """
 
-    name: str
-    summary: str
     description: str
-    examples: tuple[str, ...]
+    examples: tuple[str, ...] = ()
     add_arguments: Callable[[argparse.ArgumentParser], None]
     run: Callable[[argparse.Namespace], Answer]
 

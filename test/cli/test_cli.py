@@ -10,6 +10,7 @@ import io
 import json
 import os
 from pathlib import Path
+import re
 import subprocess
 import sys
 
@@ -19,6 +20,7 @@ import pytest
 import ladder_ros
 from ladder_ros import checking
 from ladder_ros.cli import main as command
+from ladder_ros.cli import verbs
 from ladder_ros.cli.verb import Answer
 from ladder_ros.compiling import BACKENDS
 from ladder_ros.converting import STAGES
@@ -38,6 +40,17 @@ def ladder(*args: str, cwd: Path | None = None, encoding: str = 'utf-8') -> Run:
              'PYTHONPATH': str(Path(ladder_ros.__file__).parents[1])})
     assert 'Traceback' not in run.stderr + run.stdout
     return run
+
+
+def loaded_by(*args: str, folder: Path) -> tuple[set[str], str]:
+    """Run the command; return the modules that were loaded then, and what was printed."""
+    script = ('import sys; from ladder_ros.cli.main import main; main(); '
+              'print(*sys.modules, file=sys.stderr)')
+    run = subprocess.run(
+        [sys.executable, '-c', script, *args], cwd=folder, capture_output=True, timeout=60,
+        encoding='utf-8', check=True,
+        env={**os.environ, 'PYTHONPATH': str(Path(ladder_ros.__file__).parents[1])})
+    return set(run.stderr.split()), run.stdout
 
 
 @pytest.fixture
@@ -79,9 +92,9 @@ def test_verb_when_the_program_is_fine_then_the_status_is_0(folder: Path, verb: 
 @pytest.mark.parametrize('name', ['broken.xml', 'missing.xml', '.'])
 @pytest.mark.parametrize('verb', VERBS)
 def test_verb_when_the_program_cannot_be_read_then_the_status_is_1(
-    folder: Path, verb: str, name: str
+    inside: Inside, verb: str, name: str
 ) -> None:
-    run = ladder(verb, name, *VERBS[verb], cwd=folder)
+    run = inside(verb, name, *VERBS[verb])
     assert run.returncode == 1
     assert 'error L01' in run.stderr + run.stdout
     assert run.stderr.startswith(name) or verb == 'check'
@@ -91,9 +104,9 @@ def test_verb_when_the_program_cannot_be_read_then_the_status_is_1(
     ('seal_in.xml', 0), ('broken.xml', 1), ('missing.xml', 1)])
 @pytest.mark.parametrize('verb', VERBS)
 def test_verb_when_json_is_asked_for_then_there_is_one_document(
-    folder: Path, verb: str, name: str, status: int
+    inside: Inside, verb: str, name: str, status: int
 ) -> None:
-    run = ladder(verb, name, *VERBS[verb], '--json', cwd=folder)
+    run = inside(verb, name, *VERBS[verb], '--json')
     document = json.loads(run.stdout)
     assert run.returncode == status
     assert document['ok'] is (status == 0)
@@ -105,9 +118,9 @@ def test_verb_when_json_is_asked_for_then_there_is_one_document(
     (), ('chek', 'x.xml'), ('check',), ('dump', 'seal_in.xml', '--stage', 'nonsense'),
     ('simulate', 'seal_in.xml', '--scans', 'many'), ('check', 'seal_in.xml', '--nonsense')])
 def test_command_when_used_wrongly_then_the_status_is_2(
-    folder: Path, args: tuple[str, ...]
+    inside: Inside, args: tuple[str, ...]
 ) -> None:
-    plain, document = ladder(*args, cwd=folder), ladder(*args, '--json', cwd=folder)
+    plain, document = inside(*args), inside(*args, '--json')
     assert (plain.returncode, document.returncode) == (2, 2)
     assert plain.stdout == '' and 'usage: ladder' in plain.stderr
     assert json.loads(document.stdout)['error']['kind'] == 'usage'
@@ -122,11 +135,32 @@ def test_version_when_asked_for_then_it_is_printed() -> None:
     assert (run.returncode, run.stdout) == (0, f'{ladder_ros.__version__}\n')
 
 
-@pytest.mark.parametrize('args', [('--help',), *((verb, '--help') for verb in VERBS)])
+@pytest.mark.parametrize('args', [('--help',), *((verb, '--help') for verb in verbs.VERBS)])
 def test_help_when_asked_for_then_it_has_examples(inside: Inside, args: tuple[str, ...]) -> None:
     run = inside(*args)
     assert (run.returncode, run.stderr) == (0, '')
     assert 'examples:\n  ladder ' in run.stdout
+
+
+def test_help_when_asked_for_then_it_lists_every_verb_without_loading_any(folder: Path) -> None:
+    loaded, printed = loaded_by('--help', folder=folder)
+    listed = [line.split()[0] for line in printed.splitlines() if re.match(' {4}[a-z]', line)]
+    assert listed == list(verbs.VERBS)
+    assert not {f'ladder_ros.cli.{verb}' for verb in verbs.VERBS} & loaded
+    rooms = {name.split('.')[1] for name in loaded if name.startswith('ladder_ros.')}
+    assert rooms == {'cli', 'diagnostics', 'problems'}
+
+
+@pytest.mark.parametrize(('args', 'unused'), [
+    (('check', 'seal_in.xml'), {'ladder_ros.runtime', 'ladder_ros.compiler.backends'}),
+    (('edit', 'seal_in.xml', 'delete', '1', 'c2'), {'ladder_ros.runtime', 'ladder_ros.refactor'}),
+    (('simulate', 'seal_in.xml'), {'ladder_ros.background', 'ladder_ros.refactor'}),
+])
+def test_verb_when_run_then_what_it_does_not_use_is_not_loaded(
+    args: tuple[str, ...], unused: set[str], folder: Path,
+) -> None:
+    loaded, _ = loaded_by(*args, folder=folder)
+    assert not (unused | {'rclpy', 'yaml', 'z3', 'llvmlite', 'numpy', 'ladder_ros.ros'}) & loaded
 
 
 def test_json_when_before_the_verb_then_it_holds_too(inside: Inside) -> None:
