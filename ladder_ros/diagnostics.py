@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from ladder_ros.problems import PROBLEMS, Severity
 
@@ -92,7 +93,7 @@ class Diagnostic:
 
 def problem(
     code: str, location: Location, label: str = '', *,
-    related: Sequence[tuple[Location, str]] = (), help: str | None = None, **facts: object,
+    related: Sequence[tuple[Location, str]] = (), help: str | None = None, **facts: Any,
 ) -> Diagnostic:
     """Make a diagnostic from its row in the problem table.
 
@@ -123,9 +124,9 @@ class LadderError(Exception):
         super().__init__(render(self.diagnostics))
 
     @classmethod
-    def of(cls, code: str, location: Location, label: str = '', **facts: object) -> LadderError:
+    def of(cls, code: str, location: Location, label: str = '', **facts: Any) -> LadderError:
         """Make an error of one diagnostic; the arguments are those of :func:`problem`."""
-        return cls((problem(code, location, label, **facts),))  # type: ignore[arg-type]
+        return cls((problem(code, location, label, **facts),))
 
 
 class InternalError(Exception):

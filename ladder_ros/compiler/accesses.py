@@ -45,10 +45,8 @@ def _accesses(node: Leaf | Pin, access_key: AccessKey) -> Iterable[tuple[str, bo
     A block's or composite's instance is a variable that each call writes; ``@`` marks it.
     """
     symbol = node.symbol
-    if isinstance(node, Pin):
-        reads, writes = (pin_operand(symbol, node.pin),), ()
-    else:
-        reads, writes = reads_and_writes(symbol)  # type: ignore[assignment]
+    reads, writes = reads_and_writes(symbol) if isinstance(node, Leaf) else (
+        (pin_operand(symbol, node.pin),), ())
     for operand in reads:
         key = access_key(operand)
         if key is not None:

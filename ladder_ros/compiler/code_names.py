@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 import re
 
-from ladder_ros.compiler.il import Call, Network, Op, STORES
+from ladder_ros.compiler.il import Call, named_operands, Network, Op
 from ladder_ros.compiler.symbols import Element, Operand, Ref
 
 _PART = re.compile(r'[.\[]')
@@ -31,20 +31,14 @@ def _touched(
 ) -> Iterator[tuple[str, bool]]:
     for network in networks:
         for instruction in network.code:
+            for operand, is_written in named_operands(instruction):
+                yield from _named(operand, is_written)
             call = instruction.call
-            if instruction.operand is not None:
-                yield from _named(instruction.operand, instruction.op in STORES)
-            if instruction.target is not None:
-                yield from _named(instruction.target, True)
-            if call is None:
-                continue
-            if call.instance:
+            if call is not None and call.instance:
                 yield _root(call.instance), True
-            is_composite = instruction.op in (Op.EXE, Op.RUN)
-            for pin, operand in call.inputs:
-                yield from _named(operand, is_composite and is_reference(call, pin))
-            for _, target in call.outputs:
-                yield from _named(target, True)
+            if call is not None and instruction.op in (Op.EXE, Op.RUN):
+                for pin, operand in call.inputs:
+                    yield from _named(operand, is_reference(call, pin))
 
 
 def _named(operand: Operand, is_written: bool) -> Iterator[tuple[str, bool]]:

@@ -147,6 +147,25 @@ class Instruction:
     component: str = ''
 
 
+def named_operands(instruction: Instruction) -> Iterator[tuple[Operand, bool]]:
+    """Yield each operand that an instruction names, and whether the instruction writes it.
+
+    What is bound to a composite's parameters counts as read; the state of a function block, which
+    its call writes, is not named.
+    """
+    if instruction.operand is not None:
+        yield instruction.operand, instruction.op in STORES
+    if instruction.memory is not None:
+        yield instruction.memory, True
+    if instruction.target is not None:
+        yield instruction.target, True
+    if instruction.call is not None:
+        for _, operand in instruction.call.inputs:
+            yield operand, False
+        for _, target in instruction.call.outputs:
+            yield target, True
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Network:
     """The code of a rung; jumps to one of its ``labels`` go on with it."""

@@ -19,14 +19,13 @@ from dataclasses import dataclass, field
 
 from ladder_ros.compiler.il import (
     active_flag,
-    Call,
     CONTROL,
     Instruction,
     InstructionList,
+    named_operands,
     Network,
     Op,
     Routine,
-    STORES,
 )
 from ladder_ros.compiler.native_state import Group, RoutineId
 from ladder_ros.compiler.symbols import Element, is_temporary, Literal, Operand, Ref
@@ -276,26 +275,11 @@ class _Finder:
 def _operands(instruction: Instruction) -> Iterator[tuple[Operand, bool]]:
     """Yield what an instruction itself works on, and whether it writes it."""
     op, call = instruction.op, instruction.call
-    if call is not None:
-        yield from _operands_of_call(op, call)
+    if call is not None and op in (Op.EXE, Op.RUN):
+        yield active_flag(call.instance), True  # what is bound the routine's own code names
         return
-    if instruction.operand is not None:
-        yield instruction.operand, op in STORES
-    if instruction.memory is not None:
-        yield instruction.memory, True
-    if instruction.target is not None:
-        yield instruction.target, True
-
-
-def _operands_of_call(op: Op, call: Call) -> Iterator[tuple[Operand, bool]]:
-    if op in (Op.EXE, Op.RUN):  # what is bound is what the routine's own code names
-        yield active_flag(call.instance), True
-        return
-    for _, operand in call.inputs:
-        yield operand, False
-    for _, target in call.outputs:
-        yield target, True
-    if op is Op.CAL:
+    yield from named_operands(instruction)
+    if call is not None and op is Op.CAL:
         for pin in CATALOGUE[call.name].state:
             assert isinstance(pin.type, DataType)
             yield Ref(path=f'{call.instance}.{pin.name}', type=pin.type), True

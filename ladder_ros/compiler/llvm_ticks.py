@@ -12,15 +12,22 @@ to be executed.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
-from ladder_ros.compiler.il import CONTROL, Instruction, InstructionList, Network, Op, STORES
+from ladder_ros.compiler.il import (
+    CONTROL,
+    Instruction,
+    InstructionList,
+    named_operands,
+    Network,
+    Op,
+)
 from ladder_ros.compiler.il_to_llvm import ChunkEmitter
 from ladder_ros.compiler.llvm_builder import Builder, Val, WORD
 from ladder_ros.compiler.llvm_memory import Cells, Chunk, GO_ON, LEFT, Memory
 from ladder_ros.compiler.llvm_steps import NotNativeError
-from ladder_ros.compiler.symbols import Element, is_temporary, Operand, Ref
+from ladder_ros.compiler.symbols import Element, is_temporary, Ref
 from ladder_ros.model.catalogue import CATALOGUE
 
 _REFUSED = CONTROL | {Op.EXE, Op.RUN}
@@ -38,7 +45,7 @@ def own_times(code: InstructionList, slots: Mapping[str, int]) -> frozenset[int]
         for instruction in routine.instructions():
             if instruction.call is not None and _is_timer(instruction):
                 calls[instruction.call.instance] += 1
-            for operand in _operands(instruction):
+            for operand, _ in named_operands(instruction):
                 if isinstance(operand, Element):
                     first = slots[operand.first.path.casefold()]
                     named.update(range(first, first + operand.count * operand.stride))
@@ -54,14 +61,6 @@ def _slots_of(path: str, slots: Mapping[str, int]) -> Iterable[int]:
     if path in slots:
         return (slots[path],)
     return (slot for name, slot in slots.items() if name.startswith((f'{path}.', f'{path}[')))
-
-
-def _operands(instruction: Instruction) -> Iterator[Operand]:
-    call = instruction.call
-    several = (instruction.operand, instruction.memory, instruction.target)
-    yield from (operand for operand in several if operand is not None)
-    if call is not None:
-        yield from (operand for _, operand in (*call.inputs, *call.outputs))
 
 
 def emit_tick(
@@ -102,19 +101,14 @@ def _written(network: Network, slots: Mapping[str, int]) -> set[int]:
     found: set[int] = set()
     for instruction in network.code:
         call = instruction.call
-        targets: list[Operand | None] = [instruction.memory, instruction.target]
-        if instruction.op in STORES:
-            targets.append(instruction.operand)
-        if call is not None:
-            targets += [target for _, target in call.outputs]
-            if instruction.op is Op.CAL:
-                found.update(slots[f'{call.instance}.{pin.name}'.casefold()]
-                             for pin in CATALOGUE[call.name].state)
-        for target in targets:
-            if isinstance(target, Element):
+        if call is not None and instruction.op is Op.CAL:
+            found.update(slots[f'{call.instance}.{pin.name}'.casefold()]
+                         for pin in CATALOGUE[call.name].state)
+        for operand, is_written in named_operands(instruction):
+            if is_written and isinstance(operand, Element):
                 raise NotNativeError('an element')
-            if isinstance(target, Ref) and not is_temporary(target.path):
-                found.add(slots[target.path.casefold()])
+            if is_written and isinstance(operand, Ref) and not is_temporary(operand.path):
+                found.add(slots[operand.path.casefold()])
     return found
 
 

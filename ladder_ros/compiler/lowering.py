@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from ladder_ros.compiler.symbols import author_path, OF_EXPRESSIONS, Ref, Scope, temporary
 from ladder_ros.diagnostics import Diagnostic, Location, problem
@@ -43,8 +44,8 @@ class Lowering:
         self.calls += 1
         return f'%call.{self.calls}'
 
-    def report(self, code: str, location: Location, label: str = '', **facts: object) -> None:
+    def report(self, code: str, location: Location, label: str = '', **facts: Any) -> None:
         """Note a problem; the arguments are those of ``diagnostics.problem``."""
         if 'name' in facts:
             facts['name'] = author_path(str(facts['name']))
-        self.found.append(problem(code, location, label, **facts))  # type: ignore[arg-type]
+        self.found.append(problem(code, location, label, **facts))

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from typing import Any
 
 from ladder_ros.compiler.resolve_rung import RungResolver, suggestion
 from ladder_ros.compiler.symbols import (
@@ -74,8 +75,8 @@ class _Resolver:
         """Whether the program comes from another editor, whose rules on names are not ours."""
         return self.program.dialect != 'native'
 
-    def report(self, code: str, location: Location, label: str = '', **facts: object) -> None:
-        self.found.append(problem(code, location, label, **facts))  # type: ignore[arg-type]
+    def report(self, code: str, location: Location, label: str = '', **facts: Any) -> None:
+        self.found.append(problem(code, location, label, **facts))
 
     def run(self) -> Symbols:
         program = self.program

@@ -16,6 +16,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import Any
 
 from ladder_ros.compiler.wiring import describe, End, Line, Net, Part, Rail, Wiring
 from ladder_ros.diagnostics import Diagnostic, problem
@@ -170,9 +171,9 @@ class _Analyser:
         self._check_power(wiring)
         return wiring
 
-    def report(self, code: str, component: Component, label: str = '', **facts: object) -> None:
+    def report(self, code: str, component: Component, label: str = '', **facts: Any) -> None:
         self.found.append(problem(
-            code, component.location, label, **facts))  # type: ignore[arg-type]
+            code, component.location, label, **facts))
 
     # -- cells ----------------------------------------------------------------------------------
 

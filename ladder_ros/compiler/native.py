@@ -21,6 +21,7 @@ from ladder_ros.compiler.il import (
     Instruction,
     InstructionList,
     LoopError,
+    named_operands,
     Network,
     Op,
     Routine,
@@ -128,11 +129,7 @@ def _arrays_of(routines: Sequence[Routine], slots: Mapping[str, int]) -> list[ra
     found: list[range] = []
     for routine in routines:
         for instruction in routine.instructions():
-            call = instruction.call
-            operands: list[Operand | None] = [instruction.operand, instruction.target]
-            if call is not None:
-                operands += [operand for _, operand in (*call.inputs, *call.outputs)]
-            for operand in operands:
+            for operand, _ in named_operands(instruction):
                 if isinstance(operand, Element):
                     first = slots[operand.first.path.casefold()]
                     found.append(range(first, first + operand.count * operand.stride))

@@ -123,7 +123,6 @@ def joined_type(
 
 
 _REAL = re.compile(r'[0-9][0-9_]*(?:\.[0-9_]+(?:E[-+]?[0-9]+)?|E[-+]?[0-9]+)$', re.IGNORECASE)
-_TYPED = re.compile(r'([A-Z]+)#', re.IGNORECASE)
 _DATES = frozenset({
     'D', 'DATE', 'DT', 'DATE_AND_TIME', 'TOD', 'TIME_OF_DAY', 'LD', 'LDATE', 'LDT', 'LTOD',
     'LDATE_AND_TIME', 'LTIME_OF_DAY'})

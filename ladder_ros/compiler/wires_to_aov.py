@@ -14,7 +14,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.aov import Aov, Arc, NOT, SymbolVertex, VirtualVertex
-from ladder_ros.compiler.il import Instruction
+from ladder_ros.compiler.il import Instruction, named_operands
 from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.resolve_rung import suggestion
 from ladder_ros.compiler.st_to_il import lower_statements
@@ -169,13 +169,8 @@ class _Builder:
         body = lower_statements(component.statements, self.lowering)
         pins = self.connections.pins.get(component.id, ())
         sources = [port for pin in pins for port in self.connections.sources[component.id, pin]]
-        touched: list[Operand] = []
-        for instruction in body:
-            touched += [o for o in (instruction.operand, instruction.target) if o is not None]
-            if instruction.call is not None:
-                touched += [o for _, o in (*instruction.call.inputs, *instruction.call.outputs)]
-        self._symbol(component, Resolved(), (), sources or [Port()], body=body,
-                     touches=tuple(touched))
+        touches = tuple(o for instruction in body for o, _ in named_operands(instruction))
+        self._symbol(component, Resolved(), (), sources or [Port()], body=body, touches=touches)
 
     def _block(self, component: Block | Instance) -> None:
         if isinstance(component, Block) and component.statements:

@@ -11,6 +11,7 @@ other rungs stay as they are.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 from typing_extensions import assert_never
 
@@ -233,10 +234,10 @@ class _RungEditor:
         return self._drawn(sketch, name)
 
     def refusal(
-        self, code: str, component: Component | None = None, **facts: object,
+        self, code: str, component: Component | None = None, **facts: Any,
     ) -> LadderError:
         place = component.location if component is not None else self.rung.location
-        return LadderError.of(code, place, **facts)  # type: ignore[arg-type]
+        return LadderError.of(code, place, **facts)
 
     # -- there and back ---------------------------------------------------------------------------
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import Any
 
 from ladder_ros.diagnostics import Diagnostic, LadderError, Location, problem
 from ladder_ros.problems import Severity
@@ -40,10 +41,10 @@ class Report:
         return replace(self.at(element), line=element.text_line or element.line)
 
     def add(self, code: str, where: Element | Location, label: str = '', *,
-            help: str | None = None, **facts: object) -> None:
+            help: str | None = None, **facts: Any) -> None:
         """Report a problem of the table at an element or place."""
         place = where if isinstance(where, Location) else self.at(where)
-        self._keep(problem(code, place, label, help=help, **facts))  # type: ignore[arg-type]
+        self._keep(problem(code, place, label, help=help, **facts))
 
     def take(self, error: LadderError) -> None:
         """Report what another reader found."""

@@ -15,7 +15,7 @@ from itertools import accumulate
 import math
 import re
 import textwrap
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from ladder_ros.diagnostics import LadderError, Location, problem
 from ladder_ros.model.component import Component
@@ -71,10 +71,10 @@ class Form:
             cell=self.cell)
 
     def report(self, code: str, at: Element, label: str = '', /, *, line: int | None = None,
-               help: str | None = None, **facts: object) -> None:
+               help: str | None = None, **facts: Any) -> None:
         """Report a problem of the table."""
         self.findings.add(problem(
-            code, self.here(at, line), label, help=help, **facts))  # type: ignore[arg-type]
+            code, self.here(at, line), label, help=help, **facts))
 
     def bad_value(self, element: Element, attribute: str, expected: str) -> None:
         """Report an attribute whose value cannot be."""

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from random import Random
 
-from ladder_ros.compiler.il import InstructionList
+from ladder_ros.compiler.il import InstructionList, named_operands
 from ladder_ros.compiler.symbols import Literal
 from ladder_ros.model.types import DataType, normalise, NS_PER_MS, NS_PER_S, Value
 from ladder_ros.refactor.equivalence.product import Product
@@ -138,9 +138,6 @@ def literals(code: InstructionList, type_: DataType) -> Iterator[Value]:
     """Yield the values of a type that the code names."""
     for routine in code.routines:
         for instruction in routine.instructions():
-            operands = [instruction.operand]
-            if instruction.call is not None:
-                operands += [operand for _, operand in instruction.call.inputs]
-            for operand in operands:
+            for operand, _ in named_operands(instruction):
                 if isinstance(operand, Literal) and operand.type is type_:
                     yield operand.value
