@@ -25,7 +25,7 @@ from ladder_ros.compiler.native import load_native
 from ladder_ros.compiler.object_cache import ObjectCache
 from ladder_ros.compiler.pipeline import Compilation, compile_program
 from ladder_ros.compiler.program_to_plcopen import write_plcopen
-from ladder_ros.executable import Executable, Scan, Variant
+from ladder_ros.executable import Executable, Scan, State, Variant
 from ladder_ros.source.read_any import parse_any
 
 ROUNDS, SCANS = 21, 100
@@ -52,7 +52,7 @@ class Contest:
         by_path = self.executable.by_path
         self.index = {name: by_path[self._path(name)].index for name in plant.inputs}
         self.runners: dict[str, Callable[[int], object]] = {}
-        self.states = {}
+        self.states: dict[str, State] = {}
         for name, scan in (('native', self.executable.build(Variant())),
                            ('all', everything(compiled))):
             self._add(name, next(iter(scan.values())))

@@ -29,6 +29,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, ExitStack
+from functools import partial
 import itertools
 import json
 import os
@@ -417,9 +418,12 @@ class Arena:
         self._probe = Probe(self.names)
         stack.callback(self._probe.close)
         for name in self.names:
-            wait_for(lambda name=name: self._probe.trip(name, 0.5) is not None)
+            wait_for(partial(self._is_reached, name))
         self._load = stack.enter_context(
             child('load', ','.join(self.names), inputs, int(packed)))
+
+    def _is_reached(self, name: str) -> bool:
+        return self._probe.trip(name, 0.5) is not None
 
     def measure(
         self, rounds: int, seconds: float, pause: float,

@@ -126,13 +126,14 @@ def with_package() -> dict[str, str]:
 
 
 def _run_ladder(arguments: list[str], folder: Path) -> str:
-    output = io.TextIOWrapper(io.BytesIO(), encoding='utf-8', newline='')
+    data = io.BytesIO()
+    output = io.TextIOWrapper(data, encoding='utf-8', newline='')
     with _working_directory(folder), redirect_stdout(output), redirect_stderr(output):
         status = main(arguments)
     output.flush()
-    printed = output.buffer.getvalue().decode('utf-8')  # type: ignore[attr-defined]
+    printed = data.getvalue().decode('utf-8')
     assert status in (0, 1), f'ladder {shlex.join(arguments)}: exit {status}\n{printed}'
-    return str(printed)
+    return printed
 
 
 @contextmanager

@@ -10,7 +10,7 @@ refer to coils some rungs above, rarely below, or to inputs; there is an input f
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import random
 
 from ladder_ros.model.component import (
@@ -187,17 +187,19 @@ def _drawn(spec: Spec, id: str) -> Rung:
     length = max(len(group) for group in spec.groups)
     parts: list[Component] = []
     for y, group in enumerate(spec.groups):
-        sides = {'up': Side.RIGHT if y else Side.NONE,
-                 'down': Side.RIGHT if y < len(spec.groups) - 1 else Side.NONE}
+        up = Side.RIGHT if y else Side.NONE
+        down = Side.RIGHT if y < len(spec.groups) - 1 else Side.NONE
         for x, (name, negated) in enumerate(group):
-            is_last = x == length - 1
+            placement = Placement(x=x, y=y)
+            if x == length - 1:
+                placement = replace(placement, up=up, down=down)
             parts.append(Contact(
                 id=f'c{y}{x}', operand=name,
                 kind=ContactKind.NORMALLY_CLOSED if negated else ContactKind.NORMALLY_OPEN,
-                placement=Placement(x=x, y=y, **(sides if is_last else {}))))
+                placement=placement))
         if len(group) < length:
             parts.append(Row(id=f'r{y}', placement=Placement(
-                x=len(group), y=y, width=length - len(group), **sides)))
+                x=len(group), y=y, width=length - len(group), up=up, down=down)))
     end = length
     if spec.kind in ('ton', 'ctu'):
         parts.append(_block(spec, length))
@@ -208,6 +210,7 @@ def _drawn(spec: Spec, id: str) -> Rung:
 
 
 def _block(spec: Spec, x: int) -> Block:
+    inputs: tuple[Argument, ...]
     if spec.kind == 'ton':
         inputs = (Argument(pin='PT', operand=f'T#{spec.preset}ms'),)
     else:

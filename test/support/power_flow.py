@@ -33,7 +33,17 @@ from ladder_ros.model.component import (
     Instance,
     Row,
 )
-from ladder_ros.model.program import Body, CallKind, Composite, Pou, Program, Rung
+from ladder_ros.model.derived import Initial
+from ladder_ros.model.program import (
+    Body,
+    CallKind,
+    Composite,
+    Parameter,
+    Pou,
+    Program,
+    Rung,
+    Variable,
+)
 from ladder_ros.model.types import DataType, default_value, parse_literal, Value
 
 ARITHMETIC_ERRORS = '%arithmetic_errors'
@@ -163,7 +173,8 @@ def analyse(rung: Rung) -> Drawing:
             else:
                 outputs[port] = nets.find(point)
                 sources.setdefault(nets.find(point), []).append(port)
-    symbols = {c.id.casefold(): c for c in rung.components if not isinstance(c, (Row, Column))}
+    symbols = {c.id.casefold(): c for c in rung.components
+               if isinstance(c, (Contact, Coil, Block, Instance))}
     frozen = {net: tuple(ports) for net, ports in sources.items()}
     return Drawing(
         order=_topological(symbols, inputs, frozen), inputs=inputs, sources=frozen,
@@ -264,6 +275,18 @@ def _is_name(text: str) -> bool:
     return bool(_NAME.match(text)) and text.upper() not in ('TRUE', 'FALSE')
 
 
+def scalar(noun: Parameter | Variable) -> DataType:
+    """Return the type of what the drawings here declare, which is elementary."""
+    assert isinstance(noun.type, DataType)
+    return noun.type
+
+
+def _elementary(value: Initial) -> Value:
+    """Return an initial value, which is no aggregate here."""
+    assert isinstance(value, (bool, int, float, str))
+    return value
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Frame:
     """Where a body runs: ``prefix`` of its variables' paths, ``place`` of its components'."""
@@ -298,7 +321,7 @@ class Reference:
         self._executed: dict[str, bool] = {}
         self._outputs: dict[str, dict[str, Value]] = {}
         for variable in program.variables:
-            self.values[variable.name.casefold()] = variable.initial
+            self.values[variable.name.casefold()] = _elementary(variable.initial)
         for body in program.bodies:
             self._declare(body, '')
 
@@ -306,7 +329,7 @@ class Reference:
         """Run a program body once; ``now`` in nanoseconds."""
         body = next(b for b in self._program.bodies if b.name == body_name)
         self.power.clear()
-        types = {v.name.casefold(): v.type for v in self._program.variables}
+        types = {v.name.casefold(): scalar(v) for v in self._program.variables}
         frame = Frame(pou=body, prefix='', place=body.name, types=types)
         for rung in body.rungs:
             self._evaluate(rung, frame, True, now)
@@ -323,7 +346,8 @@ class Reference:
                     inner = f'{prefix}{component.instance}.'.casefold()
                     composite = self._composites[component.composite.casefold()]
                     for variable in composite.variables:
-                        self.values[inner + variable.name.casefold()] = variable.initial
+                        self.values[inner + variable.name.casefold()] = _elementary(
+                            variable.initial)
                     self._declare(composite, inner)
 
     # -- values
@@ -544,8 +568,8 @@ class Reference:
         inner = Frame(
             pou=composite, prefix=prefix, place=place,
             bound=self._bind(composite, instance, rung, frame),
-            types={p.name.casefold(): p.type for p in composite.parameters}
-            | {v.name.casefold(): v.type for v in composite.variables})
+            types={p.name.casefold(): scalar(p) for p in composite.parameters}
+            | {v.name.casefold(): scalar(v) for v in composite.variables})
         reached = [self._evaluate(r, inner, power, now) for r in composite.rungs]
         return any(reached) if composite.call is CallKind.INLINE else True
 
@@ -558,13 +582,12 @@ class Reference:
         for parameter in composite.parameters:
             argument = given.get(parameter.name.casefold())
             if argument is None:
-                assert parameter.default is not None
-                bound[parameter.name.casefold()] = (parameter.default,)
+                bound[parameter.name.casefold()] = (_elementary(parameter.default),)
             elif argument.source:
                 bound[parameter.name.casefold()] = (self._source(argument.source, rung, frame),)
             else:
                 bound[parameter.name.casefold()] = self._operand(
-                    argument.operand, parameter.type, frame)
+                    argument.operand, scalar(parameter), frame)
         return bound
 
     def _release(self, pou: Pou, prefix: str) -> None:

@@ -42,6 +42,7 @@ from ladder_ros.model.types import (
     NS_PER_MS,
     Value,
 )
+from support.power_flow import scalar
 from support.random_rungs import Case
 
 TYPES = tuple(DataType)
@@ -165,15 +166,10 @@ class BlockMaker:
         self.count += 1
         arguments = tuple(
             Argument(pin=p.name, operand=(
-                self.operand if p.direction is Direction.INPUT else self.target)(_scalar(p)))
+                self.operand if p.direction is Direction.INPUT else self.target)(scalar(p)))
             for p in composite.parameters)
         return Instance(id=own, placement=place, composite=composite.name,
                         instance=f'f{self.count}', arguments=arguments)
-
-
-def _scalar(noun: Parameter | Variable) -> DataType:
-    assert isinstance(noun.type, DataType)
-    return noun.type
 
 
 def _composite(rng: Random, number: int, known: Sequence[Composite], functions: Sequence[str],
@@ -184,8 +180,9 @@ def _composite(rng: Random, number: int, known: Sequence[Composite], functions: 
     variables = [Variable(name=f'm_{t.value.lower()}', type=t, initial=rng.choice(values(t)))
                  for t in TYPES]
     names: dict[DataType, list[str]] = {t: [] for t in TYPES}
-    for noun in (*variables, *parameters):
-        names[_scalar(noun)].append(noun.name)
+    declared: list[Parameter | Variable] = [*variables, *parameters]
+    for noun in declared:
+        names[scalar(noun)].append(noun.name)
     fixed = frozenset(p.name for p in parameters if p.direction is Direction.INPUT)
     maker = BlockMaker(rng, names, fixed, known, functions, blocks)
     return Composite(
@@ -214,7 +211,7 @@ def block_case(rng: Random, functions: Sequence[str] = FUNCTIONS,
         bodies=(Body(name='main', rungs=maker.rungs(2 + rng.randrange(4))),))
     now, scans = 0, []
     for _ in range(8):
-        scans.append((now, {v.name: rng.choice(values(_scalar(v)))
+        scans.append((now, {v.name: rng.choice(values(scalar(v)))
                             for v in inputs if rng.randrange(2)}))
         now += rng.choice((1, 5, 12, 40)) * NS_PER_MS
     return Case(program=program, scans=tuple(scans))

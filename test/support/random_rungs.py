@@ -48,7 +48,7 @@ from ladder_ros.model.program import (
     VariableClass,
 )
 from ladder_ros.model.types import DataType, NS_PER_MS, Value
-from support.power_flow import analyse, Port
+from support.power_flow import analyse, Port, scalar
 
 T = TypeVar('T')
 
@@ -262,9 +262,9 @@ class Maker:
             if parameter.direction is Direction.INPUT:
                 if parameter.default is not None and self.chance(50):
                     continue
-                operand: str | None = self.readable(parameter.type)
+                operand: str | None = self.readable(scalar(parameter))
             else:
-                operand = self.writable(parameter.type)
+                operand = self.writable(scalar(parameter))
             if operand is None:
                 return self.contact(id, place)
             arguments.append(Argument(pin=self.spelled(parameter.name), operand=operand))
@@ -577,9 +577,9 @@ def _composite(rng: Random, index: int, known: list[Composite], wishes: Wishes) 
     names = Names(readable={}, writable={}, composites=list(known))
     declared: list[Parameter | Variable] = [*parameters, *variables]
     for noun in declared:
-        names.readable.setdefault(noun.type, []).append(noun.name)
+        names.readable.setdefault(scalar(noun), []).append(noun.name)
         if not isinstance(noun, Parameter) or noun.direction is not Direction.INPUT:
-            names.writable.setdefault(noun.type, []).append(noun.name)
+            names.writable.setdefault(scalar(noun), []).append(noun.name)
     inner = replace(wishes, max_rows=min(3, wishes.max_rows), max_width=min(5, wishes.max_width))
     return Composite(
         name=f'Comp{index}', call=CallKind.INLINE if rng.randrange(2) else CallKind.ENABLED,
@@ -629,7 +629,7 @@ def _history(
     inputs = [v for v in variables if v.variable_class is VariableClass.INPUT]
     now, scans = 0, []
     for _ in range(3 + rng.randrange(8)):
-        written = {v.name: VALUES[v.type][rng.randrange(len(VALUES[v.type]))]
+        written = {v.name: VALUES[scalar(v)][rng.randrange(len(VALUES[scalar(v)]))]
                    for v in inputs if rng.randrange(3) == 0}
         scans.append((now, written))
         now += (1, 5, 7, 12, 40)[rng.randrange(5)] * NS_PER_MS
