@@ -11,13 +11,18 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any
 
 from ladder_ros.problems import PROBLEMS, Severity
 
 __all__ = [
-    'Diagnostic', 'InternalError', 'LadderError', 'Location', 'Severity', 'problem', 'render',
+    'Diagnostic', 'InternalError', 'LadderError', 'Location', 'Severity', 'did_you_mean',
+    'problem', 'render',
 ]
+
+_MOST_COMPARED = 100
+"""Characters of a name that are compared with others."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,3 +166,13 @@ def _bounded(text: str, limit: int = 120) -> str:
     """Keep what an untrusted file says from flooding a report."""
     text = ''.join(c if c.isprintable() else '\N{REPLACEMENT CHARACTER}' for c in text)
     return text if len(text) <= limit else text[:limit - 1] + '…'
+
+
+def did_you_mean(name: str, known: Iterable[str], alike: float = 0.7) -> str:
+    """Return ``; did you mean X?`` for a likely misspelling, or nothing.
+
+    Case does not count; ``alike`` says how much the two must have in common, 1 being all.
+    """
+    spelled = {one.casefold(): one for one in known}
+    near = get_close_matches(name.strip().casefold()[:_MOST_COMPARED], spelled, 1, alike)
+    return f'; did you mean {spelled[near[0]]}?' if near else ''

@@ -14,7 +14,6 @@ import argparse
 from collections.abc import Mapping, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
-import difflib
 import io
 import json
 from pathlib import Path
@@ -38,7 +37,7 @@ from ladder_ros.cli.verb import (
     Verb,
 )
 from ladder_ros.cli.verbs import Entry, load_verb, VERBS
-from ladder_ros.diagnostics import InternalError, LadderError, render
+from ladder_ros.diagnostics import did_you_mean, InternalError, LadderError, render
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -147,11 +146,9 @@ def _parse(arguments: list[str]) -> argparse.Namespace | _Said:
     """Parse the arguments; what argparse would print while leaving the process is returned."""
     verb = next((word for word in arguments if not word.startswith('-')), None)
     if verb is not None and verb not in VERBS:
-        near = difflib.get_close_matches(verb, VERBS, 1, 0.5)
-        hint = f'; did you mean {near[0]}?' if near else ''
         return _Said(status=USAGE, text=(
-            f'{_parser().format_usage()}ladder: there is no verb {verb!r}{hint} '
-            f'(verbs: {", ".join(VERBS)})'))
+            f'{_parser().format_usage()}ladder: there is no verb {verb!r}'
+            f'{did_you_mean(verb, VERBS, 0.5)} (verbs: {", ".join(VERBS)})'))
     parser = _parser(verb)
     if verb is None and not {'-h', '--help', '--version'} & set(arguments):
         return _Said(status=USAGE, text=parser.format_help())

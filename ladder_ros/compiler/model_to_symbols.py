@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
-from ladder_ros.compiler.resolve_rung import RungResolver, suggestion
+from ladder_ros.compiler.resolve_rung import RungResolver
 from ladder_ros.compiler.symbols import (
     Ref,
     Resolved,
@@ -22,7 +22,7 @@ from ladder_ros.compiler.symbols import (
     Symbols,
 )
 from ladder_ros.compiler.unchanged import Before, same_rungs
-from ladder_ros.diagnostics import Diagnostic, Location, problem
+from ladder_ros.diagnostics import Diagnostic, did_you_mean, Location, problem
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.component import Block, Component, Instance
 from ladder_ros.model.names import why_illegal
@@ -95,7 +95,7 @@ class _Resolver:
                 if self.imported else None))
         for body in program.bodies:
             if body.task and body.task.casefold() not in tasks:
-                self.report('L0215', body.location, name=body.task, hint=suggestion(
+                self.report('L0215', body.location, name=body.task, hint=did_you_mean(
                     body.task, (task.name for task in program.tasks)))
         ordered = self._order_composites()
         known = {id(composite): names for composite in program.composites

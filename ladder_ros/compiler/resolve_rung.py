@@ -6,11 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-import difflib
 import re
 
 from ladder_ros.compiler.symbols import data_slot, Literal, Operand, Ref, Resolved, Scope
-from ladder_ros.diagnostics import InternalError, Location
+from ladder_ros.diagnostics import did_you_mean, InternalError, Location
 from ladder_ros.model.catalogue import BASIC_NAMES, BlockKind, CATALOGUE, Generic, Pin
 from ladder_ros.model.component import (
     Argument,
@@ -24,16 +23,8 @@ from ladder_ros.model.component import (
 )
 from ladder_ros.model.derived import elementary
 from ladder_ros.model.program import Composite, Direction, Parameter, Rung
-from ladder_ros.model.types import DataType, INTEGER_RANGE, parse_literal
+from ladder_ros.model.types import DataType, literal_type, parse_literal
 from ladder_ros.nouns import maker
-
-
-def suggestion(name: str, known: Iterable[str]) -> str:
-    """Return ``; did you mean X?`` for a likely misspelling, or nothing."""
-    spelled = {candidate.casefold(): candidate for candidate in known}
-    close = difflib.get_close_matches(name.casefold(), list(spelled), n=1, cutoff=0.7)
-    return f'; did you mean {spelled[close[0]]}?' if close else ''
-
 
 Report = Callable[..., None]
 
@@ -135,7 +126,7 @@ class RungResolver:
             return None
         known = [s.name for s in self.scope.symbols.values()]
         known += [f'{name}.{p.name}' for name, k in self.scope.blocks.values() for p in k.outputs]
-        hint = suggestion(text, known)
+        hint = did_you_mean(text, known)
         self.report('L0203', location, name=text, hint=hint)
         return None
 
@@ -156,7 +147,7 @@ class RungResolver:
         kind = CATALOGUE.get(component.type.upper()) if isinstance(component, Block) else None
         pin = kind.output(pin_name) if kind else None
         if not isinstance(component, Block) or kind is None or pin is None:
-            self.report('L0310', argument.location, source=argument.source, hint=suggestion(
+            self.report('L0310', argument.location, source=argument.source, hint=did_you_mean(
                 identifier, (c.id for c in self.by_id.values() if isinstance(c, Block))))
             return None
         return component, kind, pin
@@ -239,7 +230,7 @@ class RungResolver:
         kind = CATALOGUE.get(block.type.upper())
         if kind is None:
             self.report('L0208', block.location, name=block.type, known=', '.join(BASIC_NAMES),
-                        hint=suggestion(block.type, CATALOGUE))
+                        hint=did_you_mean(block.type, CATALOGUE))
             return None
         if kind.is_function and block.instance:
             self.report('L0216', block.location, name=kind.name,
@@ -397,7 +388,7 @@ class RungResolver:
         key = instance.composite.casefold()
         composite = self.composites.get(key)
         if composite is None:
-            self.report('L0206', instance.location, name=instance.composite, hint=suggestion(
+            self.report('L0206', instance.location, name=instance.composite, hint=did_you_mean(
                 instance.composite, (c.name for c in self.composites.values())))
             return None
         if not instance.instance:
@@ -480,25 +471,3 @@ _LITERAL = re.compile(r"(?:[-+0-9.']|(?:true|false)$|(?:t|time|[su]?[sdl]?int|u[
 
 def _looks_literal(text: str) -> bool:
     return _LITERAL.match(text) is not None
-
-
-def literal_type(text: str) -> DataType:
-    """Return the type of a literal that stands alone.  Raises ValueError if it is none."""
-    upper = text.upper()
-    prefix, mark, _ = upper.partition('#')
-    if upper in ('TRUE', 'FALSE'):
-        return DataType.BOOL
-    if upper.startswith("'"):
-        return DataType.STRING
-    if mark and prefix in ('T', 'TIME'):
-        return DataType.TIME
-    if mark and prefix in DataType.__members__:
-        return DataType[prefix]
-    if not mark and any(c in upper for c in '.E'):
-        return DataType.REAL
-    for type_ in (DataType.INT, DataType.DINT, DataType.LINT, DataType.ULINT):
-        low, high = INTEGER_RANGE[type_]
-        value = parse_literal(text, DataType.LINT) if type_ is not DataType.ULINT else None
-        if value is None or low <= int(value) <= high:
-            return type_
-    raise ValueError(f'{text!r} is no literal')

@@ -16,11 +16,10 @@ from typing import Protocol
 
 from ladder_ros.compiler.il import Call, Instruction, Op
 from ladder_ros.compiler.lowering import Lowering
-from ladder_ros.compiler.resolve_rung import suggestion
 from ladder_ros.compiler.st_places import Place, shown, Wrong
 from ladder_ros.compiler.st_values import Number, Value
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target, TRUE
-from ladder_ros.diagnostics import Location
+from ladder_ros.diagnostics import did_you_mean, Location
 from ladder_ros.model.catalogue import BASIC_NAMES, BlockKind, CATALOGUE, Pin
 from ladder_ros.model.derived import elementary, leaves, Type, type_name
 from ladder_ros.model.program import CallKind, Composite, Direction, Parameter
@@ -92,7 +91,7 @@ def bind(emitter: Emitter, expression: CallExpression) -> Bound:
         known = [*CATALOGUE, *(c.name for c in emitter.lowering.composites.values())]
         emitter.lowering.report(
             'L0208', expression.location, name=expression.name, known=', '.join(BASIC_NAMES),
-            hint=suggestion(expression.name, known))
+            hint=did_you_mean(expression.name, known))
         raise Wrong
     given: dict[str, tuple[Slotted, Expression]] = {}
     enabled: Operand | None = None

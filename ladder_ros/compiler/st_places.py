@@ -15,9 +15,8 @@ from typing_extensions import assert_never
 
 from ladder_ros.compiler.il import active_flag
 from ladder_ros.compiler.lowering import Lowering
-from ladder_ros.compiler.resolve_rung import suggestion
 from ladder_ros.compiler.symbols import Literal, Operand
-from ladder_ros.diagnostics import Location
+from ladder_ros.diagnostics import did_you_mean, Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.derived import Array, elementary, leaf_count, Structure, Type, type_name
 from ladder_ros.model.program import Composite, Direction
@@ -138,7 +137,7 @@ def report_unknown(variable: VariableExpression, lowering: Lowering) -> Wrong:
                         help='declare the type, or give the variable another one')
         return Wrong()
     lowering.report('L0203', variable.location, name=variable.name,
-                    hint=suggestion(variable.name, known))
+                    hint=did_you_mean(variable.name, known))
     return Wrong()
 
 

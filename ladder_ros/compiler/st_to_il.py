@@ -17,12 +17,11 @@ from typing_extensions import assert_never
 
 from ladder_ros.compiler.il import Call, Instruction, Op
 from ladder_ros.compiler.lowering import Lowering
-from ladder_ros.compiler.resolve_rung import suggestion
 from ladder_ros.compiler.st_calls import copy_aggregate, copy_bool, copy_out, run
 from ladder_ros.compiler.st_expressions import ExpressionEmitter
 from ladder_ros.compiler.st_places import Place, shown, Wrong
 from ladder_ros.compiler.symbols import FALSE, Literal, Operand, Ref, Target, TRUE
-from ladder_ros.diagnostics import Location
+from ladder_ros.diagnostics import did_you_mean, Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
 from ladder_ros.model.program import CallKind, Composite
 from ladder_ros.model.st import (
@@ -186,7 +185,7 @@ class _Statements:
                 'L0216', statement.location, name=target.name, what='needs an instance name',
                 reason='declare a variable of this type and call that')
         else:
-            self.lowering.report('L0203', statement.location, name=target.name, hint=suggestion(
+            self.lowering.report('L0203', statement.location, name=target.name, hint=did_you_mean(
                 target.name, [*declared, *self.lowering.composites, *CATALOGUE]))
         raise Wrong
 

@@ -9,12 +9,11 @@ from dataclasses import dataclass, field
 
 from ladder_ros.compiler.il import Instruction, Op
 from ladder_ros.compiler.lowering import Lowering
-from ladder_ros.compiler.resolve_rung import literal_type, suggestion
 from ladder_ros.compiler.st_calls import fresh_start, report_no_pin
 from ladder_ros.compiler.st_expressions import convert, lower_expression, lower_target, type_of
 from ladder_ros.compiler.symbols import data_slot, Literal, Operand, Ref, Resolved, Target, TRUE
 from ladder_ros.compiler.wires_to_order import Connections
-from ladder_ros.diagnostics import Location
+from ladder_ros.diagnostics import did_you_mean, Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE, Generic
 from ladder_ros.model.component import (
     Block,
@@ -28,7 +27,7 @@ from ladder_ros.model.component import (
 from ladder_ros.model.derived import elementary
 from ladder_ros.model.program import CallKind, Composite, Direction, Parameter, Port, Rung
 from ladder_ros.model.st import Expression, LiteralExpression, VariableExpression
-from ladder_ros.model.types import DataType, default_value
+from ladder_ros.model.types import DataType, default_value, literal_type
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -143,7 +142,7 @@ class WiredBlocks:
         if kind is None:
             pins = ', '.join(dict.fromkeys(
                 [*self.connections.pins.get(component.id, ()), *self._output_pins(component.id)]))
-            likely = suggestion(type_, [*CATALOGUE, *self.lowering.composites])
+            likely = did_you_mean(type_, [*CATALOGUE, *self.lowering.composites])
             self.lowering.report(
                 'L0208', component.location, f'its pins: {pins or "none"}', name=type_, help=(
                     f'it is neither in the library nor in the project{likely}; the import option '

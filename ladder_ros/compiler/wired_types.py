@@ -7,14 +7,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from ladder_ros.compiler.resolve_rung import literal_type
 from ladder_ros.diagnostics import Diagnostic, problem
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import Block, Coil, Component, Contact, InVariable, OutVariable
 from ladder_ros.model.derived import elementary, Type
 from ladder_ros.model.names import FOREIGN_NAME
 from ladder_ros.model.program import Body, Composite, Port, Program, Rung, Variable
-from ladder_ros.model.types import DataType
+from ladder_ros.model.types import DataType, literal_type
 
 
 def declare_missing(program: Program) -> Program:

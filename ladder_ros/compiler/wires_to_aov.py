@@ -16,12 +16,12 @@ from dataclasses import dataclass, field, replace
 from ladder_ros.compiler.aov import Aov, Arc, NOT, SymbolVertex, VirtualVertex
 from ladder_ros.compiler.il import Instruction, named_operands
 from ladder_ros.compiler.lowering import Lowering
-from ladder_ros.compiler.resolve_rung import suggestion
 from ladder_ros.compiler.st_to_il import lower_statements
 from ladder_ros.compiler.symbols import edge_memory, Operand, Ref, Resolved, Target
 from ladder_ros.compiler.wired_blocks import WiredBlocks
 from ladder_ros.compiler.wires_to_order import connect, Connections, order_networks
 from ladder_ros.compiler.wiring import describe, Rail
+from ladder_ros.diagnostics import did_you_mean
 from ladder_ros.model.component import (
     Block,
     Coil,
@@ -77,7 +77,7 @@ def _check_jumps(rung: Rung, lowering: Lowering) -> dict[str, str]:
     for component in rung.components:
         if isinstance(component, Jump) and component.label.casefold() not in {*known, ''}:
             lowering.report('L0226', component.location, name=component.label,
-                            hint=suggestion(component.label, spelling.values()))
+                            hint=did_you_mean(component.label, spelling.values()))
     return spelling
 
 

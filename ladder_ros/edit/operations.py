@@ -18,10 +18,9 @@ from typing_extensions import assert_never
 from ladder_ros.compiler.access_keys import access_key
 from ladder_ros.compiler.model_to_symbols import resolve_symbols
 from ladder_ros.compiler.model_to_wiring import analyse_connections
-from ladder_ros.compiler.resolve_rung import suggestion
 from ladder_ros.compiler.wiring_to_aov import build_aov
 from ladder_ros.coordinates.aov_to_rung import draw_rung
-from ladder_ros.diagnostics import LadderError, raise_errors
+from ladder_ros.diagnostics import did_you_mean, LadderError, raise_errors
 from ladder_ros.edit.edits import (
     AddOutput,
     AddParallel,
@@ -139,7 +138,7 @@ def _pou(program: Program, name: str) -> Pou:
             return pou
     known = [pou.name for pou in pous]
     raise LadderError.of('L0621', program.location, what='body or composite', name=name,
-                         known=', '.join(known), hint=suggestion(name, known))
+                         known=', '.join(known), hint=did_you_mean(name, known))
 
 
 def _rung(pou: Pou, id: str) -> Rung:
@@ -148,7 +147,7 @@ def _rung(pou: Pou, id: str) -> Rung:
             return rung
     known = [rung.id for rung in pou.rungs]
     raise LadderError.of('L0621', pou.location, what=f'rung in {pou.name}:', name=id,
-                         known=', '.join(known), hint=suggestion(id, known))
+                         known=', '.join(known), hint=did_you_mean(id, known))
 
 
 def _before(pou: Pou, id: str) -> Rung | None:
@@ -289,7 +288,7 @@ class _RungEditor:
                 return vertex
         known = [component.id for component in sketch.components.values()]
         raise self.refusal('L0621', what=f'component in rung {self.rung.id}:', name=id,
-                          known=', '.join(known), hint=suggestion(id, known))
+                          known=', '.join(known), hint=did_you_mean(id, known))
 
     def _add_series(self, sketch: Sketch, edit: AddSeries, component: Component) -> int:
         id, dot, pin = edit.target.partition('.')
@@ -373,7 +372,7 @@ class _RungEditor:
             names = [c.id for c in self.rung.components if not isinstance(c, (Row, Column))]
             raise self.refusal('L0621', what=f'component in rung {self.rung.id}:',
                               name=edit.target, known=', '.join(names),
-                              hint=suggestion(edit.target, names))
+                              hint=did_you_mean(edit.target, names))
         new = changed_component(component, edit, component.location)
         rung = replace(self.rung, components=tuple(
             new if c is component else c for c in self.rung.components))

@@ -160,6 +160,28 @@ def parse_literal(text: str, type_: DataType) -> Value:
     return _parse_integer(text, type_)
 
 
+def literal_type(text: str) -> DataType:
+    """Return the type of a literal that stands alone.  Raises ValueError if it is none."""
+    upper = text.upper()
+    prefix, mark, _ = upper.partition('#')
+    if upper in ('TRUE', 'FALSE'):
+        return DataType.BOOL
+    if upper.startswith("'"):
+        return DataType.STRING
+    if mark and prefix in ('T', 'TIME'):
+        return DataType.TIME
+    if mark and prefix in DataType.__members__:
+        return DataType[prefix]
+    if not mark and any(c in upper for c in '.E'):
+        return DataType.REAL
+    for type_ in (DataType.INT, DataType.DINT, DataType.LINT, DataType.ULINT):
+        low, high = INTEGER_RANGE[type_]
+        value = parse_literal(text, DataType.LINT) if type_ is not DataType.ULINT else None
+        if value is None or low <= int(value) <= high:
+            return type_
+    raise ValueError(f'{text!r} is no literal')
+
+
 def _parse_bool(text: str) -> bool:
     value = {'TRUE': True, '1': True, 'FALSE': False, '0': False}.get(text.upper())
     if value is None:

@@ -19,7 +19,7 @@ from typing import Any
 
 import yaml
 
-from ladder_ros.diagnostics import has_errors, LadderError, Location
+from ladder_ros.diagnostics import did_you_mean, has_errors, LadderError, Location
 from ladder_ros.executable import Executable
 from ladder_ros.model.types import Value
 from ladder_ros.ros.fields import Array, FieldType, Nested, Scalar, Schema, UnknownMessage
@@ -27,7 +27,6 @@ from ladder_ros.ros.io_map import resolve_io
 from ladder_ros.ros.io_points import IoMap
 from ladder_ros.ros.parameters import read_settings, Settings
 from ladder_ros.ros.reception import Input, Reception, Source
-from ladder_ros.ros.rules import did_you_mean
 from ladder_ros.session import Inlet
 from ladder_ros.simulating import InputTable
 

@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 
 from typing_extensions import assert_never
 
-from ladder_ros.ros.rules import did_you_mean
+from ladder_ros.diagnostics import did_you_mean
 
 MAX_INDEX = 99_999
 """The largest index that a path may have: an array grows to it."""

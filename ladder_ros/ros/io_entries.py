@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 import re
 from typing import Any
 
-from ladder_ros.diagnostics import Diagnostic, Location, problem
+from ladder_ros.diagnostics import Diagnostic, did_you_mean, Location, problem
 from ladder_ros.model.types import NS_PER_S
 from ladder_ros.ros.conversions import Adjustment, AS_IS
 from ladder_ros.ros.fields import MAX_INDEX
-from ladder_ros.ros.rules import checked, Declaration, did_you_mean, parameter_place, Raw, Rule
+from ladder_ros.ros.rules import checked, Declaration, parameter_place, Raw, Rule
 
 IO_PREFIX = 'io'
 PACKED_PREFIX = 'io_packed'

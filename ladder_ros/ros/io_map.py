@@ -12,7 +12,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from ladder_ros.diagnostics import Diagnostic, has_errors, LadderError, Location, problem
+from ladder_ros.diagnostics import (
+    Diagnostic,
+    did_you_mean,
+    has_errors,
+    LadderError,
+    Location,
+    problem,
+)
 from ladder_ros.executable import Executable, Slot, SlotClass
 from ladder_ros.model.types import DataType, Value
 from ladder_ros.ros.conversions import Conversion, DEFAULT_MESSAGE
@@ -28,7 +35,7 @@ from ladder_ros.ros.io_checks import field_conversion, misplaced_keys
 from ladder_ros.ros.io_entries import bad_entry, default_topic, IoEntry
 from ladder_ros.ros.io_points import Endpoint, InputPoint, IoMap, OutputPoint
 from ladder_ros.ros.io_values import typed_value
-from ladder_ros.ros.rules import did_you_mean, Raw
+from ladder_ros.ros.rules import Raw
 
 RESERVED_TOPICS = ('~/state', '~/change', '~/shadow', '~/monitor', '~/transition_event',
                    '/diagnostics')

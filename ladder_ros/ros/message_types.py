@@ -10,8 +10,8 @@ from importlib import import_module
 import os
 from typing import Any
 
+from ladder_ros.diagnostics import did_you_mean
 from ladder_ros.ros.fields import FieldType, parse_type, UnknownMessage
-from ladder_ros.ros.rules import did_you_mean
 
 
 @cache

@@ -17,10 +17,10 @@ from rclpy.clock import Clock, ClockType
 from rclpy.event_handler import PublisherEventCallbacks
 from std_msgs.msg import String
 
-from ladder_ros.diagnostics import LadderError
+from ladder_ros.diagnostics import did_you_mean, LadderError
 from ladder_ros.executable import ComponentEntry, Executable
 from ladder_ros.model.types import NS_PER_MS, Value
-from ladder_ros.ros.rules import did_you_mean, parameter_place
+from ladder_ros.ros.rules import parameter_place
 from ladder_ros.ros.status import LATCHED
 from ladder_ros.session import find_slot, format_value, ScanResult, Session
 

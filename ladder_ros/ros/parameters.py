@@ -17,10 +17,10 @@ from dataclasses import dataclass
 import re
 from typing import Any
 
-from ladder_ros.diagnostics import Diagnostic, problem
+from ladder_ros.diagnostics import Diagnostic, did_you_mean, problem
 from ladder_ros.model.types import NS_PER_S
 from ladder_ros.ros.io_entries import IO_PREFIX, IoEntry, PACKED_PREFIX, read_entries
-from ladder_ros.ros.rules import checked, Declaration, did_you_mean, parameter_place, Rule
+from ladder_ros.ros.rules import checked, Declaration, parameter_place, Rule
 from ladder_ros.session import BACKENDS, DEFAULT_BACKEND, RealTime, Requirement
 
 START_NAMES = ('warm', 'cold')

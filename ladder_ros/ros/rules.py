@@ -4,9 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-import difflib
 import math
 from typing import Any
 
@@ -92,9 +91,3 @@ def _expectation(rule: Rule) -> str:
         list: 'write a list of texts, for example ["/opt/cell/programs"]',
     }
     return texts.get(rule.kind, 'write one value: true, 5, 2.5 or a text')
-
-
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Return ``; did you mean X?`` or nothing."""
-    close = difflib.get_close_matches(name, list(known), n=1)
-    return f'; did you mean {close[0]}?' if close else ''

@@ -4,9 +4,7 @@
 
 from __future__ import annotations
 
-import difflib
-
-from ladder_ros.diagnostics import LadderError, Location
+from ladder_ros.diagnostics import did_you_mean, LadderError, Location
 from ladder_ros.executable import ARITHMETIC_ERRORS, Executable, is_hidden, Slot
 from ladder_ros.model.types import Value
 from ladder_ros.runtime.values import check_value, parse_value
@@ -26,11 +24,8 @@ def find_slot(
     if slot is not None:
         if not is_hidden(slot.path) or (slot.path == ARITHMETIC_ERRORS and not to_write):
             return slot
-    known = [slot.path for slot in named_slots(executable)[:_MOST_COMPARED]]
-    spelling = {path.casefold(): path for path in known}
-    near = difflib.get_close_matches(name.strip().casefold()[:100], spelling, n=1)
-    hint = f'; did you mean {spelling[near[0]]}?' if near else ''
-    raise LadderError.of('L0502', location, name=name, hint=hint)
+    known = (slot.path for slot in named_slots(executable)[:_MOST_COMPARED])
+    raise LadderError.of('L0502', location, name=name, hint=did_you_mean(name, known))
 
 
 def named_slots(executable: Executable) -> tuple[Slot, ...]:

@@ -8,7 +8,6 @@ Whoever reads elements asks a :class:`Form` for their parts; it reports what is 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-import difflib
 from enum import Enum
 from functools import cache
 from itertools import accumulate
@@ -17,7 +16,7 @@ import re
 import textwrap
 from typing import Any, TypeVar
 
-from ladder_ros.diagnostics import LadderError, Location, problem
+from ladder_ros.diagnostics import did_you_mean, LadderError, Location, problem
 from ladder_ros.model.component import Component
 from ladder_ros.model.names import MAX_NAME, why_illegal
 from ladder_ros.model.types import DataType, default_value, parse_literal, parse_time, Value
@@ -296,10 +295,7 @@ def _by_value(words: tuple[_Word, ...] | type[_Word]) -> Mapping[str, _Word]:
 def allowed(word: str, known: Iterable[str], verb: str = 'allowed here:') -> str:
     """Return help that lists the words allowed, and the one that was probably meant."""
     words = tuple(known)
-    likely = {w.lower(): w for w in words if ':' not in w}
-    close = difflib.get_close_matches(word[:60].lower(), likely, 1)
-    meant = likely[close[0]] if close else ''
-    return f'{verb} {", ".join(words)}' + (f'; did you mean {meant}?' if meant else '')
+    return f'{verb} {", ".join(words)}' + did_you_mean(word, (w for w in words if ':' not in w))
 
 
 def shown(name: str) -> str:
