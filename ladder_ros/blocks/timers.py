@@ -5,7 +5,8 @@
 The state of each is ``(Q, ET, previous IN, running, start)``; times are nanoseconds, and ``now``
 is the time of the scan.  The scan that sees the edge starts with ET = 0, and the preset is first
 compared in the next one: equality counts, so with PT = T#0s the output follows one scan late.
-ET stops at PT.  A negative PT counts as zero; PT may change while the timer runs.
+ET stops at PT.  A negative PT counts as zero; PT may change while the timer runs.  While it does
+not run its start is zero: nothing is left of when it ran.
 """
 
 from __future__ import annotations
@@ -28,14 +29,14 @@ def ton(
 ) -> TimerState:
     """On-delay: Q rises when IN has been TRUE for PT, and falls with IN."""
     if not in_:
-        return False, 0, False, False, start
+        return False, 0, False, False, 0
     if not previous:
         return False, 0, True, True, now
     if not running:
-        return q, et, True, False, start
+        return q, et, True, False, 0
     elapsed = _elapsed(now, start, et)
     if elapsed >= pt:
-        return True, max(pt, 0), True, False, start
+        return True, max(pt, 0), True, False, 0
     return False, elapsed, True, True, now - elapsed
 
 
@@ -44,14 +45,14 @@ def tof(
 ) -> TimerState:
     """Off-delay: Q rises with IN, and falls when IN has been FALSE for PT."""
     if in_:
-        return True, 0, True, False, start
+        return True, 0, True, False, 0
     if previous:
         return True, 0, False, True, now
     if not running:
-        return False, et, False, False, start
+        return False, et, False, False, 0
     elapsed = _elapsed(now, start, et)
     if elapsed >= pt:
-        return False, max(pt, 0), False, False, start
+        return False, max(pt, 0), False, False, 0
     return True, elapsed, False, True, now - elapsed
 
 
@@ -64,12 +65,12 @@ def tp(
         if elapsed < pt:
             return True, elapsed, in_, True, now - elapsed
         # Over: ET shows PT for as long as IN stays TRUE.
-        return False, max(pt, 0) if in_ else 0, in_, False, start
+        return False, max(pt, 0) if in_ else 0, in_, False, 0
     if not in_:
-        return False, 0, False, False, start
+        return False, 0, False, False, 0
     if not previous:
         return True, 0, True, True, now
-    return False, et, True, False, start
+    return False, et, True, False, 0
 
 
 def release(q: bool, et: int, previous: bool, running: bool, start: int) -> TimerState:

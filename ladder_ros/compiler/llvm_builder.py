@@ -28,6 +28,13 @@ IR_TYPE = {
 }
 """The type of the intermediate language for each data type; STRING has none."""
 
+_CHOSEN_AS = {'i8': ('i32', 'zext', 'trunc'), 'float': ('i32', 'bitcast', 'bitcast'),
+              'double': ('i64', 'bitcast', 'bitcast')}
+"""What a number is chosen as if x86 has no instruction for its type: LLVM would branch instead.
+
+With the ways there and back.
+"""
+
 MOST_I64 = (1 << 63) - 1
 
 
@@ -231,6 +238,11 @@ class Builder:
 
     def choose(self, truth: Val, first: Val, second: Val) -> Val:
         """Return one of two numbers by a comparison's result."""
+        if self.lanes == 1 and first.ir in _CHOSEN_AS:
+            ir, there, back = _CHOSEN_AS[first.ir]
+            chosen = self.choose(
+                truth, self.cast(there, first, ir), self.cast(there, second, ir))
+            return self.cast(back, chosen, first.ir)
         kind = self.type(first.ir)
         return self.let(f'select {self.type(TRUTH)} {truth.text}, {kind} {first.text}, '
                         f'{kind} {second.text}', first.ir)

@@ -37,7 +37,7 @@ _TIMES = ('ET', '%start')
 def own_times(code: InstructionList, slots: Mapping[str, int]) -> frozenset[int]:
     """Return the slots of elapsed times, and starts, that only their timer reads and writes.
 
-    While a timer does not run they do not matter to it, as its step then leaves them as they are.
+    While a timer does not run it gives back the ET that is there, and a start of zero.
     """
     calls: Counter[str] = Counter()
     named: set[int] = set()

@@ -99,6 +99,19 @@ def test_timer_when_time_jumps_anyhow_then_et_stays_between_zero_and_pt(
 
 
 
+@given(
+    name=st.sampled_from(TIMERS), pt=st.integers(-5, 40),
+    scans=st.lists(st.tuples(st.integers(-100, 100), st.booleans())))
+def test_timer_when_it_does_not_run_then_nothing_is_left_of_when_it_started(
+    name: str, pt: int, scans: list[Scan],
+) -> None:
+    state: tuple[object, ...] = FRESH
+    for now, in_ in scans:
+        state = FUNCTION_BLOCKS[name](now, in_, pt, *state)
+        *_, running, start = state
+        assert running or start == 0
+
+
 def with_times(steps: list[tuple[int, bool]]) -> list[Scan]:
     times = accumulate(step for step, _ in steps)
     return [(now, in_) for now, (_, in_) in zip(times, steps, strict=True)]

@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 import ctypes
+from dataclasses import dataclass
 from functools import cache
 import random
 import re
@@ -27,7 +28,7 @@ from ladder_ros.compiler.native import (
     ticks_symbol,
 )
 from ladder_ros.compiler.native_state import NativeState, PLAIN, StateForm, StateShape
-from ladder_ros.executable import Slot, SlotClass
+from ladder_ros.executable import Scan, Slot, SlotClass
 from ladder_ros.model.types import DataType, default_value, NS_PER_MS, Value
 
 pytest.importorskip('llvmlite', reason='native code needs llvmlite')
@@ -58,6 +59,53 @@ def ticks_in(emitted: NativeProgram) -> list[str]:
     return re.findall(r'ptr @(\w+)', table)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Twins:
+    """A program as native code and interpreted; ``ticks`` are those of its chunks."""
+
+    slots: Mapping[str, int]
+    ticks: Sequence[str]
+    native: Scan
+    wanted: Scan
+    state: NativeState
+    values: list[Value]
+
+    def write(self, name: str, value: Value) -> None:
+        self.state[self.slots[name]] = self.values[self.slots[name]] = value
+
+    def scan(self, now: int) -> int:
+        """Compare all values after a scan; return what it cost."""
+        self.native(self.state, now, None)
+        self.wanted(self.values, now, None)
+        assert list(self.state) == self.values, now
+        return cost(self.state)
+
+
+def twins(
+    networks: Sequence[str], processor: str, monkeypatch: pytest.MonkeyPatch,
+) -> Twins:
+    """Compile networks, the first four of which are a chunk, with many others below."""
+    monkeypatch.setattr(native_backend, 'LEAST_INSTRUCTIONS', 1)
+    monkeypatch.setattr(native_backend, '_NETWORKS', 4)
+    others = [f'LD a{k}\nST b{k}' for k in range(60)]  # so that one chunk is little
+    others[-1] = 'LD x\nAND go\nMOV TIME wait => other'
+    code = parse_il('BODY main\n' + ''.join(
+        f'NETWORK {k}\n{text}\n' for k, text in enumerate((*networks, *others))))
+    slots = slots_of(code)
+    rows = [Slot(index=index, path=path, slot_class=SlotClass.LOCAL, initial=False, identity='',
+                 type=DataType.TIME if path in TIMES else DataType.BOOL)
+            for path, index in slots.items()]
+    layout = layout_of(code, rows, slots)
+    emitted = emit_native(code, slots, layout)
+    objects = [compiled(text, processor) for text in emitted.modules]
+    values: list[Value] = [default_value(row.type) for row in rows]
+    values[slots['wait']] = 60 * NS_PER_MS
+    return Twins(
+        slots=slots, ticks=ticks_in(emitted), native=load_native(emitted, objects, {})['main'],
+        wanted=interpret_il(code, slots, {}, frozenset())['main'],
+        state=StateForm(StateShape.of(layout))(values), values=values)
+
+
 @pytest.mark.parametrize('networks, ticks', [
     ([WAITED], 'often'),
     (['LD go\nCAL TOF t (PT := wait) ()\nST done'], 'often'),
@@ -74,41 +122,37 @@ def ticks_in(emitted: NativeProgram) -> list[str]:
 def test_timer_when_time_goes_on_then_every_value_is_that_of_executing_it(
     networks: Sequence[str], ticks: str, processor: str, monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(native_backend, 'LEAST_INSTRUCTIONS', 1)
-    monkeypatch.setattr(native_backend, '_NETWORKS', 4)
-    others = [f'LD a{k}\nST b{k}' for k in range(60)]  # so that one chunk is little
-    others[-1] = 'LD x\nAND go\nMOV TIME wait => other'
-    code = parse_il('BODY main\n' + ''.join(
-        f'NETWORK {k}\n{text}\n' for k, text in enumerate((*networks, *others))))
-    slots = slots_of(code)
-    rows = [Slot(index=index, path=path, slot_class=SlotClass.LOCAL, initial=False, identity='',
-                 type=DataType.TIME if path in TIMES else DataType.BOOL)
-            for path, index in slots.items()]
-    layout = layout_of(code, rows, slots)
-    emitted = emit_native(code, slots, layout)
-    first, *rest = ticks_in(emitted)
+    both = twins(networks, processor, monkeypatch)
+    first, *rest = both.ticks
     assert (first == NO_TICK) is (ticks == 'none')
     assert set(rest) == {NO_TICK}
-    objects = [compiled(text, processor) for text in emitted.modules]
-    native = load_native(emitted, objects, {})['main']
-    wanted = interpret_il(code, slots, {}, frozenset())['main']
-    dice = random.Random(3)
-    values: list[Value] = [default_value(row.type) for row in rows]
-    values[slots['wait']] = 60 * NS_PER_MS
-    state, now, costs = StateForm(StateShape.of(layout))(values), 0, set()
+    dice, now, costs = random.Random(3), 0, set()
     choices: dict[str, Sequence[Value]] = {
         'go': (True, True, False), 'x': (True, False),
         'wait': (60 * NS_PER_MS, 200 * NS_PER_MS, -1)}
     for _ in range(600):
         now += dice.choice((10, 10, 10, 0, -20) if ticks == 'often' else (10, 20)) * NS_PER_MS
         name = dice.choice((*choices, *[''] * 40))
-        if name in slots:
-            state[slots[name]] = values[slots[name]] = dice.choice(choices[name])
-        native(state, now, None)
-        wanted(values, now, None)
-        assert list(state) == values, now
-        costs.add(cost(state))
+        if name in both.slots:
+            both.write(name, dice.choice(choices[name]))
+        costs.add(both.scan(now))
     assert (TICK_COST in costs) is (ticks == 'often')
+
+
+@pytest.mark.parametrize('kind', ['TON', 'TOF', 'TP'])
+@pytest.mark.parametrize('go', [True, False])
+@pytest.mark.parametrize('x', [True, False])
+def test_timer_when_called_twice_a_scan_and_at_rest_behind_it_then_it_is_left_out(
+    kind: str, go: bool, x: bool, processor: str, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    both = twins([f'LD go\nCAL {kind} t (PT := wait) ()\nST done',
+                  f'LD x\nCAL {kind} t (PT := wait) ()\nST y'], processor, monkeypatch)
+    both.write('go', go)
+    both.write('x', x)
+    for number in range(1, 40):
+        last = both.scan(10 * number * NS_PER_MS)
+        is_running = both.values[both.slots['t.%running']]
+    assert (last == 0) is not is_running
 
 
 @pytest.mark.parametrize('more, is_own', [
