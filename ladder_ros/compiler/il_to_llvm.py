@@ -94,7 +94,6 @@ class ChunkEmitter:
     opened: list[str] = field(default_factory=list)
     rounds: Val | None = None
     """Where the rounds of all loops of the network are counted."""
-    loops: int = 0
     masks: list[tuple[Val, Val]] = field(default_factory=list)
     """Around each IF that is open the mask, and its condition, where lanes do not branch."""
 
@@ -395,10 +394,8 @@ class ChunkEmitter:
             self.mask = None
 
     def _open_loop(self) -> None:
-        self.loops += 1
-        name = f'loop{self.loops}'
-        self._start(name)
-        self.opened.append(name)
+        self.opened.append(f'loop_{self._label()}')
+        self._start(self.opened[-1])
 
     def _close_loop(self) -> None:
         name = self.opened.pop()
