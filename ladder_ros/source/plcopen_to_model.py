@@ -136,12 +136,13 @@ class _Importer:
         if not self.elements:
             raise LadderError([problem('L0134', place)])
         types = Types(project.data_types, frozenset(self.elements), report)
+        declarations = Declarations(types, report)
+        declarations.foresee(group.element for group in project.globals)
         types.read_all()
         self.operands.enumerations = types.enumerations
         programs = {
             key: pou for key, pou in self.elements.items() if self.signatures[key].is_program}
         schedule = read_schedule(project, programs, report)
-        declarations = Declarations(types, report)
         self.globals(declarations)
         needed = self.needed(schedule)
         for key, own in self.signatures.items():

@@ -13,7 +13,14 @@ import pytest
 from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.diagnostics import LadderError, render
 from ladder_ros.executable import Variant
-from ladder_ros.model.derived import Array, Enumeration, Structure, Subrange
+from ladder_ros.model.derived import (
+    Array,
+    Enumeration,
+    leaves,
+    Structure,
+    Subrange,
+    type_name,
+)
 from ladder_ros.model.program import CallKind, Direction, Program, Variable, VariableClass
 from ladder_ros.model.types import DataType, NS_PER_MS
 from ladder_ros.source.declarations import parse_header
@@ -199,12 +206,74 @@ def test_header_when_body_is_text_then_cut_before_it(text: str, header: str, bod
     assert (found.header.strip(), found.body.strip()) == (header, body)
 
 
+# -- constant expressions --------------------------------------------------------------------
+
+def of_constants(declaration: str) -> Variable:
+    """Return the variable that is declared where constants are known."""
+    made = read(f"""
+        TYPE Row : ARRAY[0..G - 1] OF INT; Level : (Low := G, High := G * 2, Top);
+          Cell : STRUCT a : ARRAY[1..G] OF BOOL; n : INT := G + 1; END_STRUCT; END_TYPE
+        PROGRAM p
+          VAR_EXTERNAL CONSTANT G : INT; END_VAR
+          VAR CONSTANT N : INT := 3; N2 : INT := N * 2 - 1; X : REAL := 1.5; END_VAR
+          VAR {declaration} END_VAR
+        END_PROGRAM
+        CONFIGURATION c
+          VAR_GLOBAL CONSTANT G : INT := K - 1; K : INT := 4; END_VAR
+          TASK t(INTERVAL := T#10ms);  PROGRAM i WITH t : p;
+        END_CONFIGURATION""")
+    return next(v for v in made.variables if v.name == 'v')
+
+
+@pytest.mark.parametrize(('declaration', 'type_'), [
+    ('v : ARRAY[1..N] OF INT;', 'ARRAY [1..3] OF INT'),
+    ('v : ARRAY[-N..N2 / 2, G..2#101] OF INT;', 'ARRAY [-3..2, 3..5] OF INT'),
+    ('v : INT (0..N * (G + 1));', 'INT (0..12)'),
+    ('v : STRING[N + 1];', 'STRING'),
+])
+def test_type_when_it_names_constants_then_they_are_numbers(declaration: str, type_: str) -> None:
+    assert type_name(of_constants(declaration).type) == type_
+
+
+@pytest.mark.parametrize(('declaration', 'value'), [
+    ('v : INT := N2 + 1;', 6), ('v : INT := -N;', -3), ('v : DINT := 7 / -2;', -3),
+    ('v : INT := -7 MOD N;', -1), ('v : REAL := 2 * X + 1;', 4.0), ('v : WORD := 16#F0 + N;', 243),
+    ('v : INT := G;', 3), ('v : Level := Top;', 7),
+    ('v : ARRAY[0..1] OF INT := [N, N + G];', (('[0]', 3), ('[1]', 6))),
+])
+def test_initial_value_when_it_is_an_expression_then_its_value(
+    declaration: str, value: object,
+) -> None:
+    assert of_constants(declaration).initial == value
+
+
+def test_named_types_when_they_name_global_constants_then_those_count() -> None:
+    found = [[suffix for suffix, _, _ in leaves(of_constants(f'v : {name};').type)]
+             for name in ('Row', 'Cell')]
+    assert found == [['[0]', '[1]', '[2]'], ['.a[1]', '.a[2]', '.a[3]', '.n']]
+
+
+@pytest.mark.parametrize(('declaration', 'reason'), [
+    ('v : INT := N + y;', 'y is no constant number that is known here'),
+    ('v : INT := N / 0;', 'it divides by zero'),
+    ('v : INT := N * 20000;', '60000 does not fit INT'),
+    ('v : INT := N > 2;', '> may not stand in a declaration'),
+    ('v : INT := ' + ' * '.join(['1000000000'] * 40) + ';', 'does not fit any type'),
+    ('v : ARRAY[0..y] OF INT;', 'bad bounds 0..y of an array'),
+    ('v : (A := y, B);', 'y is no value of an enumeration'),
+])
+def test_expression_when_it_is_no_constant_then_refused(declaration: str, reason: str) -> None:
+    with pytest.raises(LadderError) as caught:
+        of_constants(declaration)
+    assert reason in str(caught.value)
+
+
 MISTAKES = {
     'no_end': 'PROGRAM p\nVAR a : BOOL; END_VAR\na := TRUE;\n',
     'between': 'PROGRAM p END_PROGRAM\nhello;\nPROGRAM q END_PROGRAM',
     'no_type': 'PROGRAM p\nVAR\n  a : ;\nEND_VAR\nEND_PROGRAM',
     'no_colon': 'PROGRAM p\nVAR\n  a BOOL;\nEND_VAR\nEND_PROGRAM',
-    'computed': 'PROGRAM p\nVAR\n  a : INT := 1 + 2;\nEND_VAR\nEND_PROGRAM',
+    'computed': 'PROGRAM p\nVAR\n  a : INT := 1 + b;\nEND_VAR\nEND_PROGRAM',
     'initial': 'PROGRAM p\nVAR\n  a : INT := 1.5;\nEND_VAR\nEND_PROGRAM',
     'bounds': 'PROGRAM p\nVAR\n  a : ARRAY[5..1] OF INT;\nEND_VAR\nEND_PROGRAM',
     'recursive': 'TYPE s : STRUCT x : s; END_STRUCT; END_TYPE\n'
