@@ -12,7 +12,7 @@ import re
 from ladder_ros.diagnostics import Location
 from ladder_ros.model.derived import elementary, Initial, LEAF_LIMIT, leaves, Type
 from ladder_ros.model.program import Direction, Parameter, Variable, VariableClass
-from ladder_ros.model.types import Value
+from ladder_ros.model.types import DataType, INTEGER_RANGE, Value
 from ladder_ros.source.constants import whole
 from ladder_ros.source.grammar import ADDRESS, MAX_VARIABLES
 from ladder_ros.source.plcopen_project import child, children, prose
@@ -253,6 +253,7 @@ class Declarations:
             self._report.omit(element, f'the address {text} of {name}', 'only single values have')
             return '', VariableClass.LOCAL
         if ADDRESS.fullmatch(text):
+            self._size(element, name, text.upper(), elementary(type_))
             return text.upper(), VariableClass.LOCAL
         if match := re.fullmatch(r'%([IQM])[XBWDL]?\*', text, re.IGNORECASE):
             classes = {'I': VariableClass.INPUT, 'Q': VariableClass.OUTPUT}
@@ -263,6 +264,23 @@ class Declarations:
             return guess, VariableClass.LOCAL
         self._report.add('L0137', element, address=text, name=name)
         return '', VariableClass.LOCAL
+
+
+    def _size(self, element: Element, name: str, address: str, type_: DataType | None) -> None:
+        """Report an address of another size than the type's (IEC 61131-3, 2.4.1.1)."""
+        letter = address[2] if address[2].isalpha() else 'X'
+        if type_ in _LETTERS and letter != _LETTERS[type_]:
+            right = address[:2] + _LETTERS[type_] + address[2:].lstrip('XBWDL')
+            self._report.add(
+                'L0146', element, address=address, name=name, type=type_, right=right)
+
+
+_LETTERS = {
+    DataType.BOOL: 'X',
+    **{type_: {8: 'B', 16: 'W', 32: 'D', 64: 'L'}[(high - low).bit_length()]
+       for type_, (low, high) in INTEGER_RANGE.items()},
+    DataType.REAL: 'D', DataType.LREAL: 'L',
+}
 
 
 def _flag(group: Element, *attributes: str) -> bool:

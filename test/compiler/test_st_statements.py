@@ -414,3 +414,10 @@ def test_assignment_when_random_then_it_runs_or_is_refused(expression: str, targ
                    composites=[TWICE, SUM], enumerations={'green': 3})
     if not errors(made):
         run(made)
+
+
+def test_call_when_the_type_of_the_instance_is_unknown_then_that_is_said() -> None:
+    with pytest.raises(LadderError) as caught:
+        run(program('t(IN := TRUE);', {}, blocks={'t': 'TOON'}))
+    assert 'declared with the type TOON, which is not in the file' in str(caught.value)
+    assert 'did you mean TON?' in str(caught.value)

@@ -268,6 +268,20 @@ def test_expression_when_it_is_no_constant_then_refused(declaration: str, reason
     assert reason in str(caught.value)
 
 
+@pytest.mark.parametrize(('declaration', 'right'), [
+    ('v AT %IX0.0 : INT;', '%IW0.0'), ('v AT %QW3 : BOOL;', '%QX3'), ('v AT %MD2 : LREAL;', '%ML2'),
+    ('v AT %I0.0 : BYTE;', '%IB0.0'), ('v AT %ix0.0 : BOOL;', ''), ('v AT %I0.0 : BOOL;', ''),
+    ('v AT %QW1 : UINT;', ''), ('v AT %MD1 : REAL;', ''), ('v AT %ML1 : TIME;', ''),
+    ('v AT %MB1 : STRING;', ''), ('v AT %I* : INT;', ''),
+])
+def test_address_when_its_size_is_not_that_of_the_type_then_warned(
+    declaration: str, right: str,
+) -> None:
+    made = read(f'PROGRAM p VAR {declaration} END_VAR END_PROGRAM')
+    found = [d.help for d in made.warnings if d.code == 'L0146']
+    assert [text.rpartition(' ')[2] for text in found] == ([right] if right else [])
+
+
 MISTAKES = {
     'no_end': 'PROGRAM p\nVAR a : BOOL; END_VAR\na := TRUE;\n',
     'between': 'PROGRAM p END_PROGRAM\nhello;\nPROGRAM q END_PROGRAM',
