@@ -14,6 +14,7 @@ from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.compiler.il import LoopError
 from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.compiler.st_to_il import MAX_LOOPS
+from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Variant
 from ladder_ros.model.derived import Array, Type
 from ladder_ros.model.program import CallKind

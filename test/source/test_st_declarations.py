@@ -269,8 +269,9 @@ def test_expression_when_it_is_no_constant_then_refused(declaration: str, reason
 
 
 @pytest.mark.parametrize(('declaration', 'right'), [
-    ('v AT %IX0.0 : INT;', '%IW0.0'), ('v AT %QW3 : BOOL;', '%QX3'), ('v AT %MD2 : LREAL;', '%ML2'),
-    ('v AT %I0.0 : BYTE;', '%IB0.0'), ('v AT %ix0.0 : BOOL;', ''), ('v AT %I0.0 : BOOL;', ''),
+    ('v AT %IX0.0 : INT;', '%IW0.0'), ('v AT %QW3 : BOOL;', '%QX3'),
+    ('v AT %MD2 : LREAL;', '%ML2'), ('v AT %I0.0 : BYTE;', '%IB0.0'),
+    ('v AT %ix0.0 : BOOL;', ''), ('v AT %I0.0 : BOOL;', ''),
     ('v AT %QW1 : UINT;', ''), ('v AT %MD1 : REAL;', ''), ('v AT %ML1 : TIME;', ''),
     ('v AT %MB1 : STRING;', ''), ('v AT %I* : INT;', ''),
 ])
