@@ -86,9 +86,12 @@ def _variable_line(at: Location, parts: list[Any]) -> list[Element]:
     names = [str(part) for part in parts if is_token(part, 'NAME')]
     address = next((part for part in parts if isinstance(part, _Address)), None)
     inner = [part for part in parts if isinstance(part, Element)]
+    edge = next((str(part).upper() for part in parts if is_token(part, 'EDGE')), '')
     found = []
     for name in names:
         attributes = {'name': name}
+        if edge:
+            attributes['edge'] = edge
         if address is not None:
             attributes['address'] = address.text
         found.append(_element('variable', at, attributes, _typed(at, 'type', inner)))

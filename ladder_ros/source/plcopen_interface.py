@@ -25,6 +25,7 @@ _MAX_LEAVES = 10 * LEAF_LIMIT
 _MAX_COMMENT = 500
 _MAX_CHAIN = 20
 _TRUE = ('true', '1')
+_TRIGGERS = {'R_EDGE': 'R_TRIG', 'F_EDGE': 'F_TRIG'}
 
 
 class Section(Enum):
@@ -71,6 +72,8 @@ class Interface:
     external_blocks: list[tuple[str, str, Location]] = field(default_factory=list)
     result: Typed | None = None
     unsupported: str = ''
+    edges: dict[str, tuple[str, str]] = field(default_factory=dict)
+    """Inputs that are edges (R_EDGE, F_EDGE) by casefolded name: spelling, hidden trigger."""
     known: set[str] = field(default_factory=set)
     """Casefolded names of all that has been read."""
 
@@ -126,6 +129,12 @@ class Declarations:
                 self._report.omit(section, f'<{section.tag}>', 'it is not known here')
                 continue
             self._section(section, kind, found, constants)
+        for key, (name, trigger) in found.edges.items():
+            hidden = f'{name}_edge'
+            while hidden.casefold() in found.known:
+                hidden += '_'
+            found.blocks.append((hidden, trigger))
+            found.edges[key] = name, hidden
         if is_function:
             result = self._types.declared(child(element, 'returnType'))
             if isinstance(result, Typed):
@@ -196,6 +205,12 @@ class Declarations:
                     raise too_large(
                         self._report.at(element), 'elementary values', _MAX_LEAVES)
                 declaration = self._declaration(element, name, found, group, section, constants)
+                trigger = _TRIGGERS.get(element.attributes.get('edge', ''))
+                if trigger and section is Section.INPUT and found.type is DataType.BOOL:
+                    into.edges[name.casefold()] = name, trigger
+                elif trigger:
+                    self._report.omit(
+                        element, f'the edge of {name}', 'only inputs that are BOOL have one')
                 external = section is Section.EXTERNAL
                 (into.externals if external else into.declarations).append(declaration)
 

@@ -249,9 +249,11 @@ class _Importer:
         element, own, interface = self.elements[key], self.signatures[key], self.interfaces[key]
         with self.report.pou(own.name, needed):
             place = self.report.at(element)
-            self.operands.enter(interface.names)
+            self.operands.enter(interface.names, interface.edges)
             rungs, statements, unsupported = self.body(element)
             unsupported = unsupported or interface.unsupported
+            if rungs and interface.edges:
+                unsupported = unsupported or 'it is drawn, and an input of it is an edge'
             if self.report.failed:
                 unsupported = unsupported or _WARNED
             return _Pou(

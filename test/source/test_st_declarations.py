@@ -6,10 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from compiler.agreement import Machine
 from hypothesis import given, settings
 from hypothesis import strategies as st
 import pytest
 
+from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.diagnostics import LadderError, render
 from ladder_ros.executable import Variant
@@ -281,6 +283,40 @@ def test_address_when_its_size_is_not_that_of_the_type_then_warned(
     made = read(f'PROGRAM p VAR {declaration} END_VAR END_PROGRAM')
     found = [d.help for d in made.warnings if d.code == 'L0146']
     assert [text.rpartition(' ')[2] for text in found] == ([right] if right else [])
+
+
+# -- inputs that are edges -------------------------------------------------------------------
+
+EDGES = """
+    FUNCTION_BLOCK Count
+      VAR_INPUT up : BOOL R_EDGE; down, both : bool f_edge := TRUE; END_VAR
+      VAR_OUTPUT n, m : INT; END_VAR
+      VAR up_edge : INT; END_VAR
+      up_edge := up_edge + 1;
+      IF UP THEN n := n + 1; END_IF;
+      IF down AND both THEN m := m + 1; END_IF;
+    END_FUNCTION_BLOCK
+    PROGRAM p
+      VAR_INPUT go : BOOL; END_VAR  VAR_OUTPUT n, m : INT; END_VAR
+      VAR c : Count; END_VAR
+      c(up := go, down := go, both := go); n := c.n; m := c.m;
+    END_PROGRAM"""
+
+
+@pytest.mark.parametrize('backend', BACKENDS)
+def test_input_when_it_is_an_edge_then_the_body_sees_its_edges(backend: str) -> None:
+    machine = Machine(read(EDGES), backend)
+    seen = [(m['n'], m['m']) for go in (True, True, False, False, True, False)
+            for m in [machine.scan(go=go)]]
+    assert seen == [(1, 0), (1, 0), (1, 1), (1, 1), (2, 1), (2, 2)]
+    assert machine['c.up_edge'] == 6
+
+
+def test_input_when_it_is_an_edge_and_no_bool_then_warned() -> None:
+    made = read('FUNCTION_BLOCK f VAR_INPUT a : INT R_EDGE; END_VAR VAR b : BOOL F_EDGE; END_VAR '
+                'END_FUNCTION_BLOCK PROGRAM p VAR x : f; END_VAR x(); END_PROGRAM')
+    assert [d.message for d in made.warnings if d.code == 'L0138'] == [
+        f'left out: the edge of {name}: only inputs that are BOOL have one' for name in 'ab']
 
 
 MISTAKES = {
