@@ -139,6 +139,10 @@ def report_unknown(variable: VariableExpression, lowering: Lowering) -> Wrong:
                         help='declare the type, or give the variable another one'
                         + suggestion(type_, (*types, *CATALOGUE)))
         return Wrong()
+    if variable.name.upper() in ('EN', 'ENO'):
+        lowering.report('L0203', variable.location, name=variable.name, help=(
+            'a body does not know its own EN and ENO here; tell the caller by an output'))
+        return Wrong()
     lowering.report('L0203', variable.location, name=variable.name,
                     hint=suggestion(variable.name, known))
     return Wrong()

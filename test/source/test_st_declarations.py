@@ -26,6 +26,7 @@ from ladder_ros.model.derived import (
 from ladder_ros.model.program import CallKind, Direction, Program, Variable, VariableClass
 from ladder_ros.model.types import DataType, NS_PER_MS
 from ladder_ros.source.declarations import parse_header
+from ladder_ros.source.read_any import parse_any
 from ladder_ros.source.st_to_model import is_st, parse_st, split_pou
 
 T = DataType
@@ -179,6 +180,26 @@ def test_file_when_asked_then_its_beginning_tells_structured_text(
     text: str, expected: bool,
 ) -> None:
     assert is_st(text.encode()) is expected
+
+
+@pytest.mark.parametrize(('data', 'shown'), [
+    (b'a := 1;', 'a := 1;'), (b'(* nothing *)', '(* nothing *)'), (b'\0\0', '\\x00\\x00'),
+    ('PROGRAM p'.encode('utf-16'), 'P\\x00R'), ('\xa0'.encode(), "''"),
+])
+def test_file_when_neither_xml_nor_text_then_its_beginning_is_shown(
+    data: bytes, shown: str,
+) -> None:
+    with pytest.raises(LadderError) as caught:
+        parse_any(data, 'p.st')
+    (found,) = caught.value.diagnostics
+    assert (found.code, shown in found.message) == ('L0109', True)
+
+
+@pytest.mark.parametrize('data', [b'', b'  ', b'<ladder', '<ladder'.encode('utf-16')])
+def test_file_when_it_begins_as_xml_then_what_is_wrong_with_that_is_said(data: bytes) -> None:
+    with pytest.raises(LadderError) as caught:
+        parse_any(data, 'p.xml')
+    assert caught.value.diagnostics[0].code == 'L0101'
 
 
 # -- one POU of a project --------------------------------------------------------------------
