@@ -17,7 +17,7 @@ from ladder_ros.compiler.st_names import interface, literal, Names, Subscript, S
 from ladder_ros.compiler.symbols import Element, is_data_slot, is_temporary, Literal, Operand, Ref
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
-from ladder_ros.model.derived import elementary
+from ladder_ros.model.derived import elementary, leaves
 from ladder_ros.model.program import CallKind, Composite, Direction
 from ladder_ros.model.types import DataType, default_value
 
@@ -341,9 +341,29 @@ class StEmitter:
         for operand, copy in before:
             self.put(f'{copy} := {self.read(operand).text};')
         text = f'{name}({", ".join(arguments)});'
-        self.put(text if op is Op.EXE or power == 'TRUE' else f'IF {power} THEN {text} END_IF;')
+        if op is Op.EXE or power == 'TRUE':
+            self.put(text)
+        else:
+            results = self._results(composite, call.instance)
+            for copy, _, zero in results:
+                self.put(f'{copy} := {zero};')
+            stored = ''.join(f' {copy} := {place};' for copy, place, _ in results)
+            self.put(f'IF {power} THEN {text}{stored} END_IF;')
         for operand, copy in after:
             self.write(operand, copy)
+
+    def _results(self, composite: Composite, instance: str) -> list[tuple[str, str, str]]:
+        """Put variables in the places of what a function gives, which is zero if it is not called.
+
+        Returns variable, place and zero of each.
+        """
+        found = []
+        for parameter in composite.parameters if composite.call is CallKind.FUNCTION else ():
+            if parameter.direction is Direction.OUTPUT:
+                for suffix, type_, value in leaves(parameter.type, parameter.default):
+                    ref = Ref(path=f'{instance}.{parameter.name}{suffix}', type=type_)
+                    found.append((*self.names.replaced(ref), literal(value, type_)))
+        return found
 
     def by_reference(self, composite: Composite, pin: str) -> bool:
         """Say whether a parameter of an enabled composite must be the very variable."""

@@ -131,6 +131,7 @@ class Names:
     used: set[str] = field(default_factory=set)
     """Casefolded names of the scope's variables that were asked for."""
     _paths: dict[str, str] = field(default_factory=dict)
+    _replaced: dict[str, str] = field(default_factory=dict)
 
     def declare_instances(self, among: Set[str] | None = None) -> None:
         """Declare the block and composite instances of the POU; inline ones leave their parts.
@@ -179,6 +180,14 @@ class Names:
         self.hidden[name] = type_.value
         return name
 
+    def replaced(self, ref: Ref) -> tuple[str, str]:
+        """Return a variable that is read in the place of another from now on, and that place."""
+        key = self._key(ref.path)
+        self._replaced.pop(key, None)
+        place = self.place(ref)
+        self._replaced[key] = self.temporary(ref.type)
+        return self._replaced[key], place
+
     def owner(self, path: str) -> tuple[str, Composite | None, str] | None:
         """Return the instance that a path goes into, its composite, and the rest of the path."""
         key = self._key(path)
@@ -193,6 +202,8 @@ class Names:
         path = ref.path
         if is_address(path):
             return self.identifiers.own(path)
+        if self._key(path) in self._replaced:
+            return self._replaced[self._key(path)]
         inside = self.owner(path)
         if inside is not None:
             name, composite, rest = inside

@@ -348,3 +348,21 @@ def test_element_when_several_subscripts_are_calculated_then_each_is_written(for
         expected, found = (
             [machine.scan(i=i, j=j)[name] for name in 'abcd'] for machine in machines)
         assert found == expected
+
+
+@pytest.mark.parametrize('form', FORMS)
+def test_function_when_it_is_not_enabled_then_it_gives_zero_again(form: str) -> None:
+    program = parse_st(b"""
+        FUNCTION Twice : INT
+          VAR_INPUT of : INT; END_VAR  VAR_OUTPUT half : INT := 7; END_VAR
+          Twice := of * 2; half := of / 2;
+        END_FUNCTION
+        PROGRAM p
+          VAR_INPUT go : BOOL; n : INT; END_VAR  VAR_OUTPUT a, b, c : INT; END_VAR
+          a := Twice(EN := go, of := n) + 1;
+          b := Twice(of := Twice(EN := go, of := n, half => c));
+        END_PROGRAM""", 'p.st')
+    machines = Machine(program), Machine(there_and_back(program, form))
+    seen = [[(m['a'], m['b'], m['c']) for go in (True, False, True)
+             for m in [machine.scan(go=go, n=10)]] for machine in machines]
+    assert seen == [[(21, 40, 5), (1, 0, 5), (21, 40, 5)]] * 2
