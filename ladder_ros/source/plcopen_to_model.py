@@ -249,7 +249,7 @@ class _Importer:
         element, own, interface = self.elements[key], self.signatures[key], self.interfaces[key]
         with self.report.pou(own.name, needed):
             place = self.report.at(element)
-            self.operands.enter(interface.names, interface.edges)
+            self.operands.enter(key, interface.names, interface.edges)
             rungs, statements, unsupported = self.body(element)
             unsupported = unsupported or interface.unsupported
             if rungs and interface.edges:
@@ -323,7 +323,8 @@ class _Importer:
                 yield self.blocks[word][0]
         words = self.words[pou.name.casefold()]
         yield from (
-            name for (group, own), name in self.prefixed.items() if {group, own} <= words)
+            name for (group, own), name in self.prefixed.items()
+            if {group, own} <= words and group not in hidden and name.casefold() not in hidden)
         yield from pou.addresses
 
     # -- the program ------------------------------------------------------------------------

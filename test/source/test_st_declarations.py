@@ -340,6 +340,48 @@ def test_input_when_it_is_an_edge_and_no_bool_then_warned() -> None:
         f'left out: the edge of {name}: only inputs that are BOOL have one' for name in 'ab']
 
 
+# -- names behind that of a program ----------------------------------------------------------
+
+def result(text: str) -> object:
+    """Return ``x`` after two scans."""
+    machine = Machine(read(text))
+    machine.scan()
+    return machine.scan()['x']
+
+
+def test_program_when_others_name_its_variables_then_they_are_those() -> None:
+    assert result("""
+        FUNCTION_BLOCK F VAR_OUTPUT o : INT; END_VAR VAR n : INT := 5; END_VAR
+          o := Prg.m + n;
+        END_FUNCTION_BLOCK
+        PROGRAM Prg VAR n, m : INT; f : F; END_VAR VAR_OUTPUT x : INT; END_VAR
+          n := n + 1; m := Prg.n * 10; f(); x := f.o;
+        END_PROGRAM""") == 25
+
+
+def test_parameter_when_it_is_called_as_the_program_then_it_is_meant() -> None:
+    assert result("""
+        TYPE Pair : STRUCT n : INT; d : INT; END_STRUCT; END_TYPE
+        FUNCTION_BLOCK F VAR_IN_OUT p : Pair; END_VAR VAR n : INT := 5; d : CTU; END_VAR
+          d(PV := 3); p.n := p.n + n;
+        END_FUNCTION_BLOCK
+        PROGRAM p VAR n : INT; d : F; v : Pair; END_VAR VAR_OUTPUT x : INT; END_VAR
+          n := 100; d(p := v); x := v.n;
+        END_PROGRAM""") == 10
+
+
+def test_name_behind_a_programs_when_the_pou_has_it_too_then_it_is_not_taken_for_its_own() -> None:
+    with pytest.raises(LadderError) as caught:
+        result("""
+            FUNCTION_BLOCK F VAR_OUTPUT o : INT; END_VAR VAR n : INT := 5; END_VAR
+              o := Prg.n;
+            END_FUNCTION_BLOCK
+            PROGRAM Prg VAR n : INT; f : F; END_VAR VAR_OUTPUT x : INT; END_VAR
+              f(); x := f.o;
+            END_PROGRAM""")
+    assert 'L0203: unknown variable Prg' in str(caught.value)
+
+
 MISTAKES = {
     'no_end': 'PROGRAM p\nVAR a : BOOL; END_VAR\na := TRUE;\n',
     'between': 'PROGRAM p END_PROGRAM\nhello;\nPROGRAM q END_PROGRAM',
