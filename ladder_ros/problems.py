@@ -97,6 +97,8 @@ _FILES = (
              'what it runs, runs in every scan; give it one such as T#20ms'),
     _warning('L0145', "the external variable {name} is nobody's global variable",
              'a global variable is made for it; declare it in the configuration'),
+    _warning('L0146', 'the address {address} of {name} has not the size of {type}',
+             'it is a name alone here, nothing overlaps; {type} has addresses such as {right}'),
     _error('L0150', 'this is no JSON: {reason}',
            'save the project again in OpenPLC Editor, or mend the text at this place'),
     _warning('L0151', 'the project departs from what OpenPLC Editor writes: {what}',

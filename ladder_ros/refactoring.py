@@ -327,7 +327,7 @@ def _own(path: str | os.PathLike[str]) -> Program:
     program = read_any(path)
     if program.dialect != 'native':
         raise LadderError.of('L0511', program.location, form='xml',
-                             what='a program that was drawn elsewhere')
+                             what='the refactoring of a program that was drawn elsewhere')
     raise_errors(check_program(program))
     return program
 

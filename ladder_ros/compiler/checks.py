@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from ladder_ros.compiler.il import InstructionList
 from ladder_ros.compiler.inline_composites import LIMIT
@@ -17,7 +17,7 @@ from ladder_ros.model.component import Instance
 from ladder_ros.model.program import CallKind, Composite, Pou, Program
 
 INSTANCE_LIMIT = 20_000
-"""Most instances of enabled composites; each is a routine of its own."""
+"""Most instances of composites that keep a state; each is a routine of its own."""
 
 DEPTH_LIMIT = 100
 """Deepest nesting of composites in composites."""
@@ -25,7 +25,7 @@ DEPTH_LIMIT = 100
 
 @dataclass(frozen=True, slots=True)
 class _Size:
-    """What a POU grows to: components, instances of enabled composites, depth of nesting."""
+    """What a POU grows to: components, instances that keep a state, depth of nesting."""
 
     components: int = 0
     instances: int = 0
@@ -41,8 +41,7 @@ def check_size(program: Program) -> tuple[Diagnostic, ...]:
     composites = {c.name.casefold(): c for c in program.composites}
 
     def missing(pou: Pou) -> list[Composite]:
-        names = {c.composite.casefold() for r in pou.rungs for c in r.components
-                 if isinstance(c, Instance)}
+        names = {name.casefold() for name in _members(pou)}
         return [composites[name] for name in names if name in composites and name not in sizes]
 
     pending: list[Pou] = [*program.composites]
@@ -53,35 +52,63 @@ def check_size(program: Program) -> tuple[Diagnostic, ...]:
         else:
             pou = pending.pop()
             sizes[pou.name.casefold()] = _size(pou, sizes, composites)
-    pous: list[tuple[Pou, _Size]] = [(c, sizes[c.name.casefold()]) for c in program.composites]
+    pous: list[tuple[Pou | Program, _Size]] = [
+        (c, sizes[c.name.casefold()]) for c in program.composites]
     pous += [(body, _size(body, sizes, composites)) for body in program.bodies]
+    drawn = {name for body in program.bodies for name in _drawn(body)}
+    pous.append((program, _grown(_declared(program, drawn), sizes, composites)))
     found = []
     for total, limit, unit in (
         (sum(size.components for _, size in pous), LIMIT, 'components'),
-        (sum(size.instances for _, size in pous), INSTANCE_LIMIT, 'enabled instances'),
+        (sum(size.instances for _, size in pous), INSTANCE_LIMIT, 'instances with a state'),
         (max(size.depth for _, size in pous), DEPTH_LIMIT, 'levels of composites in composites'),
     ):
         if total > limit:
-            largest = max(pous, key=lambda pair: pair[1].components)[0]
+            largest = max(pous, key=lambda pair: (pair[1].components, pair[1].instances))[0]
             found.append(problem(
                 'L0401', largest.location, count=f'{total} {unit}', limit=f'{limit} {unit}'))
     return tuple(found)
 
 
 def _size(pou: Pou, sizes: Mapping[str, _Size], composites: Mapping[str, Composite]) -> _Size:
+    inside = _grown(_members(pou), sizes, composites)
+    return replace(
+        inside, components=inside.components + sum(len(rung.components) for rung in pou.rungs))
+
+
+def _grown(
+    members: Iterable[str], sizes: Mapping[str, _Size], composites: Mapping[str, Composite],
+) -> _Size:
+    """Return what these composites grow to, one or several times each."""
     components = instances = depth = 0
-    for rung in pou.rungs:
-        components += len(rung.components)
-        for component in rung.components:
-            if type(component) is Instance:
-                name = component.composite.casefold()
-                if name not in sizes:  # a program that is drawn as a block; reported later
-                    continue
-                inner = sizes[name]
-                components += inner.components
-                instances += inner.instances + (composites[name].call is CallKind.ENABLED)
-                depth = max(depth, inner.depth + 1)
+    for name in map(str.casefold, members):
+        if name not in sizes:  # a program that is drawn as a block, or no composite
+            continue
+        inner = sizes[name]
+        components += inner.components
+        instances += inner.instances + (
+            composites[name].call in (CallKind.ENABLED, CallKind.BLOCK))
+        depth = max(depth, inner.depth + 1)
     return _Size(components, instances, depth)
+
+
+def _members(pou: Pou) -> list[str]:
+    """Return the composite of each instance in a POU, drawn or only declared."""
+    members = [c.composite for rung in pou.rungs for c in rung.components
+               if type(c) is Instance]
+    if isinstance(pou, Composite) and pou.blocks:
+        members += _declared(pou, _drawn(pou))
+    return members
+
+
+def _declared(owner: Composite | Program, drawn: Collection[str]) -> list[str]:
+    """Return the types of the declared instances that are not drawn: texts may call them."""
+    return [type_ for name, type_ in owner.blocks if name.casefold() not in drawn]
+
+
+def _drawn(pou: Pou) -> set[str]:
+    return {c.instance.casefold() for rung in pou.rungs for c in rung.components
+            if type(c) is Instance}
 
 
 def check_coils(

@@ -92,6 +92,8 @@ class ChunkEmitter:
     boxes: dict[str, Val] | None = None
     """Where temporaries are in memory, in a network that branches."""
     opened: list[str] = field(default_factory=list)
+    rounds: Val | None = None
+    """Where the rounds of all loops of the network are counted."""
     masks: list[tuple[Val, Val]] = field(default_factory=list)
     """Around each IF that is open the mask, and its condition, where lanes do not branch."""
 
@@ -108,6 +110,9 @@ class ChunkEmitter:
         self.temporaries = dict(self.constants)
         branches = any(instruction.op in CONTROL for instruction in network.code)
         self.boxes = {} if branches and self.builder.packed else None
+        if any(instruction.op is Op.LOOP for instruction in network.code):
+            self.rounds = self._reserve('i64')
+            self.builder.lines.append(f'store i64 0, ptr {self.rounds.text}')
         for instruction in network.code:
             self._instruction(instruction)
 
@@ -389,18 +394,16 @@ class ChunkEmitter:
             self.mask = None
 
     def _open_loop(self) -> None:
-        rounds = self._reserve('i64')
-        name = f'loop{rounds.text[1:]}'
-        self.builder.lines.append(f'store i64 0, ptr {rounds.text}')
-        self._start(name)
-        self.opened.append(name)
+        self.opened.append(f'loop_{self._label()}')
+        self._start(self.opened[-1])
 
     def _close_loop(self) -> None:
         name = self.opened.pop()
-        box, builder = f'%{name[4:]}', self.builder
+        builder, counted = self.builder, self.rounds
+        assert counted is not None
         one = builder.number(1, 'i64')
-        rounds = builder.op('add', builder.let(f'load i64, ptr {box}', 'i64'), one)
-        builder.lines.append(f'store i64 {rounds.text}, ptr {box}')
+        rounds = builder.op('add', builder.let(f'load i64, ptr {counted.text}', 'i64'), one)
+        builder.lines.append(f'store i64 {rounds.text}, ptr {counted.text}')
         over = builder.compare('sgt', rounds, builder.number(LOOP_LIMIT, 'i64'))
         builder.lines += [
             f'br i1 {over.text}, label %{name}.over, label %{name}', f'{name}.over:',

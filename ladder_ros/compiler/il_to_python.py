@@ -250,13 +250,17 @@ class _Emitter:
     memory: list[StackValue] = field(default_factory=list)
     locals: int = 0
     indent: str = ''
-    loops: list[str] = field(default_factory=list)
+    rounds: str = ''
+    """Where the rounds of all loops of the network are counted, if it has any."""
 
     def put(self, line: str) -> None:
         """Append a line of code, inside the IFs and LOOPs that are open."""
         self.lines.append(self.indent + line)
 
     def emit(self, network: Network) -> list[str]:
+        if any(instruction.op is Op.LOOP for instruction in network.code):
+            self.rounds = self._fresh()
+            self.put(f'{self.rounds} = 0')
         for number, instruction in enumerate(network.code):
             following = network.code[number + 1:number + 2]
             is_last = not self.program.observed and (
@@ -388,16 +392,12 @@ class _Emitter:
             self.indent += '    '
             self.put('pass')
         elif op is Op.LOOP:
-            rounds = self._fresh()
-            self.put(f'{rounds} = 0')
             self.put('while True:')
             self.indent += '    '
-            self.loops.append(rounds)
         elif op is Op.POOL:
-            rounds = self.loops.pop()
             error = self.program.name('LoopError', LoopError)
-            self.put(f'{rounds} += 1')
-            self.put(f"if {rounds} > {LOOP_LIMIT}: raise {error}('a loop does not end')")
+            self.put(f'{self.rounds} += 1')
+            self.put(f"if {self.rounds} > {LOOP_LIMIT}: raise {error}('a loop does not end')")
             self.indent = self.indent[4:]
         elif op is Op.FI:
             self.indent = self.indent[4:]

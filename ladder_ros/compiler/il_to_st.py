@@ -8,20 +8,22 @@ variable before something that it reads is written, and when it is used twice.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 import re
 
 from ladder_ros.compiler.il import Call, CONTACTS, CONTROL, EDGES, Instruction, Network, Op
-from ladder_ros.compiler.st_names import interface, literal, Names, SURE
+from ladder_ros.compiler.st_names import interface, literal, Names, Subscript, SURE
 from ladder_ros.compiler.symbols import Element, is_data_slot, is_temporary, Literal, Operand, Ref
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
-from ladder_ros.model.derived import elementary
+from ladder_ros.model.derived import elementary, leaves
 from ladder_ros.model.program import CallKind, Composite, Direction
 from ladder_ros.model.types import DataType, default_value
 
 _LONGEST = 90
+_NUMBER = re.compile(r'-?\d+(?=[,\]])')
+"""A subscript in a place."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -152,18 +154,14 @@ class StEmitter:
     def _element(self, element: Element) -> tuple[str, str]:
         """Return the condition that an element is in its array, and its place."""
         first = self.names.place(element.first)
-        index = self.read(element.index).text
-        found = re.findall(r'\[(-?\d+)\]', first)
-        if len(found) != 1 or '{' in index:
-            name = self.names.place(element.first).partition('[')[0]
+        index, type_ = self.read(element.index).text, element.index.type
+        texts = list(_subscripts(index, element, self.names.subscripts(element.first)))
+        if len(_NUMBER.findall(first)) != len(texts):
             raise LadderError.of('L0511', self.location, form='st', what=(
-                f'{name}[...] with several, or nested, calculated subscripts'))
-        low = int(found[0])
-        type_ = element.index.type
+                f'{first} with calculated subscripts'))
         bounds = [literal(n, type_) for n in (0, element.count)]
-        subscript = index if low == 0 else f'{index} + {literal(low, type_)}'
-        return (f'({index} >= {bounds[0]}) AND ({index} < {bounds[1]})',
-                first.replace(f'[{low}]', f'[{subscript}]'))
+        place = _NUMBER.sub(lambda _: texts.pop(0), first)
+        return f'({index} >= {bounds[0]}) AND ({index} < {bounds[1]})', place
 
     def _combine(self, left: _Value, right: _Value, binds: int) -> _Value:
         word = 'AND' if binds == _AND else 'OR'
@@ -343,9 +341,29 @@ class StEmitter:
         for operand, copy in before:
             self.put(f'{copy} := {self.read(operand).text};')
         text = f'{name}({", ".join(arguments)});'
-        self.put(text if op is Op.EXE or power == 'TRUE' else f'IF {power} THEN {text} END_IF;')
+        if op is Op.EXE or power == 'TRUE':
+            self.put(text)
+        else:
+            results = self._results(composite, call.instance)
+            for copy, _, zero in results:
+                self.put(f'{copy} := {zero};')
+            stored = ''.join(f' {copy} := {place};' for copy, place, _ in results)
+            self.put(f'IF {power} THEN {text}{stored} END_IF;')
         for operand, copy in after:
             self.write(operand, copy)
+
+    def _results(self, composite: Composite, instance: str) -> list[tuple[str, str, str]]:
+        """Put variables in the places of what a function gives, which is zero if it is not called.
+
+        Returns variable, place and zero of each.
+        """
+        found = []
+        for parameter in composite.parameters if composite.call is CallKind.FUNCTION else ():
+            if parameter.direction is Direction.OUTPUT:
+                for suffix, type_, value in leaves(parameter.type, parameter.default):
+                    ref = Ref(path=f'{instance}.{parameter.name}{suffix}', type=type_)
+                    found.append((*self.names.replaced(ref), literal(value, type_)))
+        return found
 
     def by_reference(self, composite: Composite, pin: str) -> bool:
         """Say whether a parameter of an enabled composite must be the very variable."""
@@ -533,3 +551,28 @@ def _can_write(composite: Composite, rest: str) -> bool:
     return composite.call is not CallKind.FUNCTION or any(
         p.name.casefold() == head and p.direction is Direction.INPUT
         for p in composite.parameters)
+
+
+def _subscripts(
+    index: str, element: Element, subscripts: Sequence[Subscript],
+) -> Iterator[str]:
+    """Yield the subscripts of the element that is ``index`` steps on.
+
+    What was put together of several comes apart as digits do: each is what its neighbours'
+    distance goes into the rest that the one before it has left.
+    """
+    step, type_ = element.stride, element.index.type
+    modulus = 0
+    for subscript in subscripts:
+        distance = subscript.stride // step
+        if (subscript.number != subscript.low or subscript.stride % step
+                or distance >= element.count):
+            yield str(subscript.number)  # this one is constant
+            continue
+        text = index
+        if modulus:
+            text = f'({text} MOD {literal(modulus, type_)})'
+        if distance > 1:
+            text = f'({text} / {literal(distance, type_)})'
+        yield text if subscript.low == 0 else f'{text} + {literal(subscript.low, type_)}'
+        modulus = distance

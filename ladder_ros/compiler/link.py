@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from ladder_ros.compiler.aov import Aov
+from ladder_ros.compiler.checks import DEPTH_LIMIT
 from ladder_ros.compiler.il import (
     Call,
     Instruction,
@@ -45,6 +46,9 @@ _ref = maker(Ref)
 Code = Mapping[str, Sequence[Network]]
 """The networks of each POU, by its key."""
 
+ROUTINE_LIMIT = 100_000
+"""Most routines: bodies, and calls of functions and composites, which multiply where they nest."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Linked:
@@ -57,7 +61,8 @@ class Linked:
 def link_code(program: Program, code: Code, earlier: Linked | None = None) -> Linked:
     """Return the program's instruction list: bodies first, then the routines they execute.
 
-    Networks of ``earlier`` that would be made again are taken over.
+    Networks of ``earlier`` that would be made again are taken over.  Raises LadderError: L0207 for
+    a POU that calls itself, L0401 where calls in calls are too many.
     """
     composites = {c.name.casefold(): c for c in program.composites}
     routines: list[Routine] = []
@@ -73,6 +78,13 @@ def link_code(program: Program, code: Code, earlier: Linked | None = None) -> Li
             routine = Routine(name=frame.name, networks=networks, is_body=is_body)
             routines.append(routine)
             made[is_body, frame.name] = frame, code[frame.key], routine
+            for size, limit, unit in (
+                (len(routines), ROUTINE_LIMIT, 'calls'),
+                (len(frame.chain), DEPTH_LIMIT, 'levels of calls in calls'),
+            ):
+                if size > limit:
+                    raise LadderError.of('L0401', body.location, count=f'over {limit} {unit}',
+                                         limit=f'{limit} {unit}')
             pending.extend(reversed([
                 _enter(instruction, composites, frame.chain)
                 for instruction in routine.notable()

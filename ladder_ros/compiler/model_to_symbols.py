@@ -153,7 +153,7 @@ class _Resolver:
         ordered: list[Composite] = []
         for root in self.composites.values():
             trail = [root.name.casefold()]
-            pending = [list(_instances(root))]
+            pending = [_members(root)]
             while trail:
                 if trail[-1] in done or not pending[-1]:
                     pending.pop()
@@ -162,15 +162,15 @@ class _Resolver:
                         done.add(name)
                         ordered.append(self.composites[name])
                     continue
-                inner = pending[-1].pop()
-                key = inner.composite.casefold()
+                inner, location = pending[-1].pop()
+                key = inner.casefold()
                 if key in trail:
                     chain = ' -> '.join(
                         self.composites[name].name for name in (*trail[trail.index(key):], key))
-                    self.report('L0207', inner.location, name=inner.composite, chain=chain)
+                    self.report('L0207', location, name=inner, chain=chain)
                 elif key in self.composites:
                     trail.append(key)
-                    pending.append(list(_instances(self.composites[key])))
+                    pending.append(_members(self.composites[key]))
         return tuple(ordered)
 
     def _program_scope(self) -> Scope:
@@ -338,6 +338,12 @@ def _names_of(definition: _Definition) -> _Names | None:
 @lru_cache(_ALIKE)
 def _folded(identifier: str) -> str:
     return identifier.casefold()
+
+
+def _members(composite: Composite) -> list[tuple[str, Location]]:
+    """Return the types of what a composite keeps inside, drawn or declared, and where."""
+    return [*((i.composite, i.location) for i in _instances(composite)),
+            *((type_, composite.location) for _, type_ in composite.blocks)]
 
 
 def _instances(composite: Composite) -> Iterable[Instance]:

@@ -242,8 +242,16 @@ def run(
         name=composite.name, instance=instance, inputs=tuple(bindings))))
     emitter.emit(Op.DRP)
     emitter.code += back
+    # What a function has not computed is not written, as in a drawing.
+    kept = enabled is not None and composite.call is CallKind.FUNCTION
     for argument, parameter in outputs:
+        guarded = kept and parameter is not None
+        if guarded:
+            emitter.emit(Op.LD, power)
+            emitter.emit(Op.IF)
         _copy_out(emitter, instance, parameter, argument, power)
+        if guarded:
+            emitter.emit(Op.FI)
 
 
 def _named(composite: Composite, name: str) -> Parameter | None:

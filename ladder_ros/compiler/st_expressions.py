@@ -30,6 +30,7 @@ from ladder_ros.compiler.st_places import (
 )
 from ladder_ros.compiler.st_values import (
     joined_type,
+    literal_type,
     Number,
     OnStack,
     read_literal,
@@ -251,8 +252,8 @@ class ExpressionEmitter:
         try:
             return read_literal(expression.text)
         except ValueError as error:
-            self.lowering.report('L0205', expression.location, expression.text, type='a literal',
-                                 reason=error)
+            self.lowering.report('L0205', expression.location, expression.text,
+                                 type=literal_type(expression.text), reason=error)
             raise Wrong from None
 
     def _place(self, variable: VariableExpression) -> Place | None:
@@ -263,7 +264,8 @@ class ExpressionEmitter:
         operand = self.coerce(value, None, expression.location, described(expression))
         if operand.type not in INTEGER_RANGE:
             self.lowering.report('L0204', expression.location, name=described(expression),
-                                 actual=operand.type, expected='an integer')
+                                 actual=operand.type, expected='an integer',
+                                 help='use a variable or literal of an integer type')
             raise Wrong
         if not isinstance(operand, Element):
             return operand
@@ -328,7 +330,8 @@ class ExpressionEmitter:
         assert type_ is not None
         if isinstance(value, OnStack) or not (type_.is_number or type_ is DataType.TIME):
             self.lowering.report('L0204', expression.location, name=described(expression.operand),
-                                 actual=type_, expected='a number')
+                                 actual=type_, expected='a number',
+                                 help='use a variable or literal of a type of numbers')
             raise Wrong
         if expression.operator == '+':
             return value
@@ -350,7 +353,8 @@ class ExpressionEmitter:
             return _ON_STACK
         if type_ not in BIT_STRINGS:
             self.lowering.report('L0204', expression.location, name=described(expression.operand),
-                                 actual=type_, expected='BOOL or a bit string')
+                                 actual=type_, expected='BOOL or a bit string',
+                                 help='compare it, or convert it to a BYTE, WORD, DWORD or LWORD')
             raise Wrong
         assert not isinstance(value, OnStack)
         return self.function('NOT', value.type, (('IN', value),))

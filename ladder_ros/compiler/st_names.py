@@ -14,9 +14,17 @@ import re
 from ladder_ros.compiler.symbols import is_address, is_temporary, Ref, Scope
 from ladder_ros.model.catalogue import CATALOGUE
 from ladder_ros.model.component import Block, Instance
-from ladder_ros.model.derived import leaves
+from ladder_ros.model.derived import Array, leaf_count, leaves, Structure
 from ladder_ros.model.names import KEYWORDS
-from ladder_ros.model.program import CallKind, Composite, Pou, pou_key, Program
+from ladder_ros.model.program import (
+    CallKind,
+    Composite,
+    Parameter,
+    Pou,
+    pou_key,
+    Program,
+    Variable,
+)
 from ladder_ros.model.types import DataType, default_value, format_literal, format_time, Value
 
 _MORE_WORDS = """
@@ -92,6 +100,16 @@ class Identifiers:
                 or name.upper() in CATALOGUE)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Subscript:
+    """A subscript in a path, its bounds, and how many leaves lie between neighbours."""
+
+    number: int
+    low: int
+    high: int
+    stride: int
+
+
 @dataclass(slots=True, kw_only=True)
 class Names:
     """What the paths of one POU (or of the bodies that become one program) are called.
@@ -113,6 +131,7 @@ class Names:
     used: set[str] = field(default_factory=set)
     """Casefolded names of the scope's variables that were asked for."""
     _paths: dict[str, str] = field(default_factory=dict)
+    _replaced: dict[str, str] = field(default_factory=dict)
 
     def declare_instances(self, among: Set[str] | None = None) -> None:
         """Declare the block and composite instances of the POU; inline ones leave their parts.
@@ -161,6 +180,14 @@ class Names:
         self.hidden[name] = type_.value
         return name
 
+    def replaced(self, ref: Ref) -> tuple[str, str]:
+        """Return a variable that is read in the place of another from now on, and that place."""
+        key = self._key(ref.path)
+        self._replaced.pop(key, None)
+        place = self.place(ref)
+        self._replaced[key] = self.temporary(ref.type)
+        return self._replaced[key], place
+
     def owner(self, path: str) -> tuple[str, Composite | None, str] | None:
         """Return the instance that a path goes into, its composite, and the rest of the path."""
         key = self._key(path)
@@ -175,6 +202,8 @@ class Names:
         path = ref.path
         if is_address(path):
             return self.identifiers.own(path)
+        if self._key(path) in self._replaced:
+            return self._replaced[self._key(path)]
         inside = self.owner(path)
         if inside is not None:
             name, composite, rest = inside
@@ -196,6 +225,33 @@ class Names:
             self._paths[key] = self._new(path)
             self.hidden[self._paths[key]] = ref.type.value
         return self._paths[key]
+
+    def subscripts(self, ref: Ref) -> tuple[Subscript, ...]:
+        """Return what the subscripts in the path of a part of a declared variable are."""
+        owner = self.owner(ref.path)
+        rest = ref.path if owner is None else owner[2]
+        head, *accessors = re.findall(r'\w+|\[[^]]*\]', rest)
+        if owner is not None and owner[1] is not None:
+            members: list[Parameter | Variable] = [*owner[1].parameters, *owner[1].variables]
+            type_ = next(m.type for m in members if m.name.casefold() == head.casefold())
+        else:
+            symbol = self.scope.symbols.get(head.casefold())
+            if symbol is None:
+                return ()
+            type_ = symbol.type
+        found: list[Subscript] = []
+        for accessor in accessors:
+            if isinstance(type_, Array):
+                stride = leaf_count(type_)
+                numbers = map(int, accessor[1:-1].split(','))
+                for number, (low, high) in zip(numbers, type_.bounds, strict=True):
+                    stride //= high - low + 1
+                    found.append(Subscript(number=number, low=low, high=high, stride=stride))
+                type_ = type_.element
+            elif isinstance(type_, Structure):
+                type_ = next(f.type for f in type_.fields
+                             if f.name.casefold() == accessor.casefold())
+        return tuple(found)
 
     def _key(self, path: str) -> str:
         return f'{self.prefix}{path}'.casefold() if path.startswith('%') else path.casefold()

@@ -132,9 +132,15 @@ def report_unknown(variable: VariableExpression, lowering: Lowering) -> Wrong:
     known += [name for name, _ in (*scope.blocks.values(), *scope.instances.values())]
     type_ = scope.untyped.get(variable.name.casefold())
     if type_ is not None:
+        types = [composite.name for composite in lowering.composites.values()]
         lowering.report('L0203', variable.location, f'it is declared with the type {type_}, which '
                         'is not in the file', name=variable.name,
-                        help='declare the type, or give the variable another one')
+                        help='declare the type, or give the variable another one'
+                        + suggestion(type_, (*types, *CATALOGUE)))
+        return Wrong()
+    if variable.name.upper() in ('EN', 'ENO'):
+        lowering.report('L0203', variable.location, name=variable.name, help=(
+            'a body does not know its own EN and ENO here; tell the caller by an output'))
         return Wrong()
     lowering.report('L0203', variable.location, name=variable.name,
                     hint=did_you_mean(variable.name, known))
@@ -236,9 +242,11 @@ def _element(
 ) -> Place:
     array = place.type
     if not isinstance(array, Array) or len(accessor.subscripts) != len(array.bounds):
-        needed = f'{len(array.bounds)} subscripts' if isinstance(array, Array) else 'no subscript'
+        needed = len(array.bounds) if isinstance(array, Array) else 'none'
+        given = len(accessor.subscripts)
         lowering.report('L0204', location, name=place.path, expected=needed,
-                        actual=f'given {len(accessor.subscripts)}')
+                        actual=f'given {given} subscript{"s" * (given > 1)}',
+                        help='an array takes one subscript for each of its dimensions')
         raise Wrong
     indices: list[int] = []
     dimensions = list(place.dimensions)

@@ -19,7 +19,7 @@ from ladder_ros.compiler.il import Call, Instruction, Op
 from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.st_calls import copy_aggregate, copy_bool, copy_out, run
 from ladder_ros.compiler.st_expressions import ExpressionEmitter
-from ladder_ros.compiler.st_places import Place, shown, Wrong
+from ladder_ros.compiler.st_places import Place, report_unknown, shown, Wrong
 from ladder_ros.compiler.symbols import FALSE, Literal, Operand, Ref, Target, TRUE
 from ladder_ros.diagnostics import did_you_mean, Location
 from ladder_ros.model.catalogue import BlockKind, CATALOGUE
@@ -184,6 +184,8 @@ class _Statements:
             self.lowering.report(
                 'L0216', statement.location, name=target.name, what='needs an instance name',
                 reason='declare a variable of this type and call that')
+        elif name in scope.untyped:
+            raise report_unknown(target, self.lowering)
         else:
             self.lowering.report('L0203', statement.location, name=target.name, hint=did_you_mean(
                 target.name, [*declared, *self.lowering.composites, *CATALOGUE]))
@@ -320,7 +322,8 @@ class _Statements:
         if selector.type not in INTEGER_RANGE:
             self.lowering.report(
                 'L0204', statement.selector.location, name='the selector of CASE',
-                actual=selector.type, expected='an integer or an enumeration')
+                actual=selector.type, expected='an integer or an enumeration',
+                help='use IF ... ELSIF for values of other types')
             raise Wrong
         value = self.lowering.temporary(selector.type)
         emitter.move(selector, value)
@@ -427,7 +430,7 @@ class _Statements:
         if type_ not in INTEGER_RANGE:
             self.lowering.report(
                 'L0204', statement.location, name=shown(statement.variable), actual=type_,
-                expected='an integer')
+                expected='an integer', help='count with a variable of an integer type')
             raise Wrong
         emitter.move(emitter.operand(statement.first, type_), variable)
         last = self._kept(statement.last, type_)

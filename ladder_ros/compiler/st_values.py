@@ -152,6 +152,16 @@ def read_literal(text: str) -> Literal | Number:
     return Number(value=int(parse_literal(text, wide)))
 
 
+def literal_type(text: str) -> str:
+    """Return what a literal claims to be, for messages."""
+    prefix, mark, _ = text.upper().partition('#')
+    if '"' in text[:9] or "'" in text[:8]:
+        return _T.STRING.value
+    if not mark or prefix.isdigit():
+        return 'a number'
+    return _T.TIME.value if prefix in ('T', 'LT', 'LTIME') else prefix
+
+
 def _quoted(text: str) -> str:
     """Return a STRING or WSTRING literal in single quotes, without a type before it."""
     start = min(place for place in (text.find("'"), text.find('"')) if place >= 0)

@@ -162,7 +162,7 @@ class _Builder:
                      location=variable.location)
         resolved = Resolved(
             inputs=(('IN', value),), outputs=(('OUT', target),), type=target.type)
-        self._symbol(move, resolved, (*more, *prelude), [guard or Port()])
+        self._symbol(move, resolved, (*more, *prelude), [guard or Port()], as_drawn=False)
 
     def _execute(self, component: Block) -> None:
         """An EXECUTE box: statements that are executed while EN is TRUE."""
@@ -242,20 +242,23 @@ class _Builder:
                     actual=actual, expected=DataType.BOOL)
         return list(sources)
 
-    def _giver(self, port: Port, taker: Component) -> _Giver:
-        """Return what gives the power of a port; a block's variable where that must be read."""
+    def _giver(self, port: Port, taker: Component, *, as_drawn: bool = True) -> _Giver:
+        """Return what gives the power of a port; a block's variable where that must be read.
+
+        A negation that is drawn on the port counts only in what is drawn behind it.
+        """
         if not port.component:
             return _Giver(symbol=-1)
         if self.blocks.is_main_output(port) and (
             self.rank.get(port.component, len(self.rank)) < self.rank[taker.id]
             and port.component in self.vertex
         ):
-            return self._output(port, _Giver(symbol=self.vertex[port.component]))
+            return self._output(port, _Giver(symbol=self.vertex[port.component]), as_drawn)
         variable = self.blocks.output_variable(port)
         if variable is None:
             if port.component in self.vertex:
                 symbol = _Giver(symbol=self.vertex[port.component])
-                return self._output(port, self.enabled.get(port.component, symbol))
+                return self._output(port, self.enabled.get(port.component, symbol), as_drawn)
             before = self.blocks.components.get(port.component)
             if isinstance(before, InVariable):
                 before = _as_contact(before)
@@ -271,7 +274,7 @@ class _Builder:
             id=f'{port.component}_{port.pin}_{taker.id}', operand=str(variable),
             placement=taker.placement, location=taker.location)
         number = self._symbol(contact, Resolved(operand=variable), (), [Port()])
-        return self._output(port, _Giver(symbol=number))
+        return self._output(port, _Giver(symbol=number), as_drawn)
 
     def _copy(self, contact: Contact, taker: Component) -> _Giver:
         """Draw a contact once more that lies between a block and what feeds the block.
@@ -292,10 +295,10 @@ class _Builder:
             del self.vertex[again.id]
         return _Giver(symbol=self.copies[key])
 
-    def _output(self, port: Port, giver: _Giver) -> _Giver:
+    def _output(self, port: Port, giver: _Giver, as_drawn: bool) -> _Giver:
         """Apply a negation that is drawn on an output pin."""
         modifier = self.blocks.output_modifier(port)
-        if modifier is None or not modifier.negated:
+        if modifier is None or not modifier.negated or not as_drawn:
             return giver
         component = self.blocks.components[port.component]
         inverter = Block(
@@ -307,10 +310,10 @@ class _Builder:
         self, component: Component, resolved: Resolved, prelude: tuple[Instruction, ...],
         sources: Sequence[Port], *, instance: str = '', is_block: bool = False,
         touches: tuple[Operand, ...] = (), body: tuple[Instruction, ...] = (),
-        owner: Component | None = None,
+        owner: Component | None = None, as_drawn: bool = True,
     ) -> int:
         owner = owner or self.blocks.components.get(component.id, component)
-        givers = [self._giver(port, owner) for port in sources]
+        givers = [self._giver(port, owner, as_drawn=as_drawn) for port in sources]
         number = len(self.symbols)
         memory: Ref | None = None
         if isinstance(component, (Contact, Coil)) and senses_edge(component):

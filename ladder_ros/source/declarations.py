@@ -13,6 +13,7 @@ from typing import Any
 
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.st import (
+    BinaryExpression,
     Expression,
     Field,
     LiteralExpression,
@@ -85,9 +86,12 @@ def _variable_line(at: Location, parts: list[Any]) -> list[Element]:
     names = [str(part) for part in parts if is_token(part, 'NAME')]
     address = next((part for part in parts if isinstance(part, _Address)), None)
     inner = [part for part in parts if isinstance(part, Element)]
+    edge = next((str(part).upper() for part in parts if is_token(part, 'EDGE')), '')
     found = []
     for name in names:
         attributes = {'name': name}
+        if edge:
+            attributes['edge'] = edge
         if address is not None:
             attributes['address'] = address.text
         found.append(_element('variable', at, attributes, _typed(at, 'type', inner)))
@@ -209,12 +213,16 @@ def _field_initial(at: Location, parts: list[Any]) -> tuple[str, Element]:
 
 
 def _plain(expression: Expression) -> str:
-    """Return the text of a constant: a literal, perhaps with a sign, or a name."""
+    """Return the text of a constant: a literal, a name, or an expression of such."""
     match expression:
         case LiteralExpression(text=text):
             return text
         case UnaryExpression(operator='-' | '+' as sign, operand=LiteralExpression(text=text)):
             return text if sign == '+' else f'-{text}'
+        case UnaryExpression(operator='-' | '+' as sign, operand=operand):
+            return f'{sign}{_plain(operand)}'
+        case BinaryExpression(operator=operator, left=left, right=right):
+            return f'({_plain(left)} {operator} {_plain(right)})'
         case VariableExpression(name=name, accessors=accessors):
             if all(isinstance(accessor, Field) for accessor in accessors):
                 return '.'.join((name, *(a.name for a in accessors if isinstance(a, Field))))

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from enum import Enum
 import re
@@ -12,7 +12,8 @@ import re
 from ladder_ros.diagnostics import Location
 from ladder_ros.model.derived import elementary, Initial, LEAF_LIMIT, leaves, Type
 from ladder_ros.model.program import Direction, Parameter, Variable, VariableClass
-from ladder_ros.model.types import Value
+from ladder_ros.model.types import DataType, INTEGER_RANGE, Value
+from ladder_ros.source.constants import whole
 from ladder_ros.source.grammar import ADDRESS, MAX_VARIABLES
 from ladder_ros.source.plcopen_project import child, children, prose
 from ladder_ros.source.plcopen_report import Report
@@ -22,7 +23,9 @@ from ladder_ros.source.xml_tree import Element, too_large
 
 _MAX_LEAVES = 10 * LEAF_LIMIT
 _MAX_COMMENT = 500
+_MAX_CHAIN = 20
 _TRUE = ('true', '1')
+_TRIGGERS = {'R_EDGE': 'R_TRIG', 'F_EDGE': 'F_TRIG'}
 
 
 class Section(Enum):
@@ -69,6 +72,8 @@ class Interface:
     external_blocks: list[tuple[str, str, Location]] = field(default_factory=list)
     result: Typed | None = None
     unsupported: str = ''
+    edges: dict[str, tuple[str, str]] = field(default_factory=dict)
+    """Inputs that are edges (R_EDGE, F_EDGE) by casefolded name: spelling, hidden trigger."""
     known: set[str] = field(default_factory=set)
     """Casefolded names of all that has been read."""
 
@@ -102,7 +107,7 @@ class Declarations:
     """Reads interfaces; counts what all of them declare."""
 
     def __init__(self, types: Types, report: Report) -> None:
-        """Start with no constants known."""
+        """Start with no constants known; see :meth:`foresee`."""
         self._types = types
         self._report = report
         self._constants: dict[str, Value] = {}
@@ -114,7 +119,7 @@ class Declarations:
         found = Interface()
         if element is None:
             return found
-        constants = dict(self._constants)
+        self._types.constants = constants = dict(self._constants)
         for section in element.children:
             if section.tag in ('returnType', 'addData', 'documentation'):
                 continue
@@ -124,6 +129,12 @@ class Declarations:
                 self._report.omit(section, f'<{section.tag}>', 'it is not known here')
                 continue
             self._section(section, kind, found, constants)
+        for key, (name, trigger) in found.edges.items():
+            hidden = f'{name}_edge'
+            while hidden.casefold() in found.known:
+                hidden += '_'
+            found.blocks.append((hidden, trigger))
+            found.edges[key] = name, hidden
         if is_function:
             result = self._types.declared(child(element, 'returnType'))
             if isinstance(result, Typed):
@@ -133,9 +144,32 @@ class Declarations:
                 self._report.add('L0135', element, type='of the result', reason=reason)
         return found
 
+    def foresee(self, elements: Iterable[Element]) -> None:
+        """Take the constant numbers among global variables, which types may name."""
+        self._types.constants = self._constants
+        pending = [
+            (inner.attributes.get('name', '').strip().casefold(),
+             value.attributes.get('value', ''))
+            for group in elements if _flag(group, 'constant')
+            for inner in children(group, 'variable')
+            if (given := child(inner, 'initialValue')) is not None
+            and (value := child(given, 'simpleValue')) is not None]
+        for _ in range(_MAX_CHAIN):  # those that name others may stand before them
+            unknown = []
+            for name, text in pending:
+                number = whole(text, self._constants)
+                if number is None:
+                    unknown.append((name, text))
+                else:
+                    self._constants.setdefault(name, number)
+            if len(unknown) == len(pending):
+                break
+            pending = unknown
+
     def globals(self, element: Element) -> Interface:
         """Return what a ``globalVars`` element declares; its constants are known from now on."""
         found = Interface()
+        self._types.constants = self._constants
         self._section(element, Section.GLOBAL, found, self._constants)
         return found
 
@@ -171,6 +205,12 @@ class Declarations:
                     raise too_large(
                         self._report.at(element), 'elementary values', _MAX_LEAVES)
                 declaration = self._declaration(element, name, found, group, section, constants)
+                trigger = _TRIGGERS.get(element.attributes.get('edge', ''))
+                if trigger and section is Section.INPUT and found.type is DataType.BOOL:
+                    into.edges[name.casefold()] = name, trigger
+                elif trigger:
+                    self._report.omit(
+                        element, f'the edge of {name}', 'only inputs that are BOOL have one')
                 external = section is Section.EXTERNAL
                 (into.externals if external else into.declarations).append(declaration)
 
@@ -190,17 +230,14 @@ class Declarations:
 
     def _declaration(self, element: Element, name: str, found: Typed, group: Element,
                      section: Section, constants: dict[str, Value]) -> Declaration:
-        def flag(*attributes: str) -> bool:
-            return any(group.attributes.get(a, '').lower() in _TRUE for a in attributes)
-
         address, class_ = self._address(element, name, found.type)
         given = child(element, 'initialValue')
         initial = found.initial
         if given is not None and section is not Section.EXTERNAL:
             initial = self._initial(given, name, found, constants)
-        constant = flag('constant')
+        constant = _flag(group, 'constant')
         value = initial
-        if constant and elementary(found.type) is not None:
+        if constant and section is not Section.EXTERNAL and elementary(found.type) is not None:
             if value is None:
                 value = next(leaves(found.type))[2]
             if not isinstance(value, tuple):
@@ -211,7 +248,7 @@ class Declarations:
         comment = '' if documentation is None else ' '.join(prose(documentation).split())
         return Declaration(section=section, variable=Variable(
             name=name, type=found.type, variable_class=classes.get(section, class_),
-            initial=initial, retain=flag('retain', 'persistent'), constant=constant,
+            initial=initial, retain=_flag(group, 'retain', 'persistent'), constant=constant,
             address=address, comment=comment[:_MAX_COMMENT], location=self._report.at(element)))
 
     def _initial(self, element: Element, name: str, found: Typed,
@@ -231,6 +268,7 @@ class Declarations:
             self._report.omit(element, f'the address {text} of {name}', 'only single values have')
             return '', VariableClass.LOCAL
         if ADDRESS.fullmatch(text):
+            self._size(element, name, text.upper(), elementary(type_))
             return text.upper(), VariableClass.LOCAL
         if match := re.fullmatch(r'%([IQM])[XBWDL]?\*', text, re.IGNORECASE):
             classes = {'I': VariableClass.INPUT, 'Q': VariableClass.OUTPUT}
@@ -241,6 +279,27 @@ class Declarations:
             return guess, VariableClass.LOCAL
         self._report.add('L0137', element, address=text, name=name)
         return '', VariableClass.LOCAL
+
+
+    def _size(self, element: Element, name: str, address: str, type_: DataType | None) -> None:
+        """Report an address of another size than the type's (IEC 61131-3, 2.4.1.1)."""
+        letter = address[2] if address[2].isalpha() else 'X'
+        if type_ in _LETTERS and letter != _LETTERS[type_]:
+            right = address[:2] + _LETTERS[type_] + address[2:].lstrip('XBWDL')
+            self._report.add(
+                'L0146', element, address=address, name=name, type=type_, right=right)
+
+
+_LETTERS = {
+    DataType.BOOL: 'X',
+    **{type_: {8: 'B', 16: 'W', 32: 'D', 64: 'L'}[(high - low).bit_length()]
+       for type_, (low, high) in INTEGER_RANGE.items()},
+    DataType.REAL: 'D', DataType.LREAL: 'L',
+}
+
+
+def _flag(group: Element, *attributes: str) -> bool:
+    return any(group.attributes.get(a, '').lower() in _TRUE for a in attributes)
 
 
 def _completed(initial: Initial, found: Typed) -> Initial:

@@ -4,14 +4,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
 import re
 from typing import TypeVar
 
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.program import Variable, VariableClass
-from ladder_ros.model.st import Expression, Field, Statement, VariableExpression
+from ladder_ros.model.st import (
+    CallArgument,
+    CallStatement,
+    Expression,
+    Field,
+    Statement,
+    VariableExpression,
+)
 from ladder_ros.model.types import DataType
 from ladder_ros.source.grammar import ADDRESS, MAX_OPERAND
 from ladder_ros.source.plcopen_report import Report
@@ -43,12 +50,23 @@ class Operands:
         """Names of global variables by casefolded names of their list and their own."""
         self.enumerations: Mapping[str, int] = {}
         """Values of enumerations by casefolded name; one with its type before it is no path."""
+        self._pou = ''
         self._hidden: frozenset[str] = frozenset()
+        self._edges: Mapping[str, tuple[str, str]] = {}
         self._used: set[str] = set()
 
-    def enter(self, declared: frozenset[str]) -> None:
-        """Begin a POU; ``declared`` are its casefolded names, which hide lists of globals."""
+    def enter(
+        self, pou: str, declared: frozenset[str],
+        edges: Mapping[str, tuple[str, str]] | None = None,
+    ) -> None:
+        """Begin a POU (its casefolded name); its own ones, ``declared``, hide those of others.
+
+        ``edges`` are those of its inputs that are edges, by casefolded name: their spelling, and
+        the trigger whose output statements read in their place.
+        """
+        self._pou = pou
         self._hidden = declared
+        self._edges = edges or {}
         self._used = set()
 
     @property
@@ -75,10 +93,19 @@ class Operands:
     def statements(self, text: str, place: Location) -> tuple[Statement, ...]:
         """Return a text of statements; what is wrong with it is reported."""
         try:
-            return self._placed(parse_statements(text, place), place)
+            statements = self._placed(parse_statements(text, place), place)
+            return (*self._triggers(place), *statements)
         except LadderError as error:
             self._report.take(error)
             return ()
+
+    def _triggers(self, place: Location) -> Iterator[Statement]:
+        """Yield the calls that a body of a POU with edges starts with."""
+        for name, trigger in self._edges.values():
+            value = VariableExpression(name=name, location=place)
+            yield CallStatement(
+                target=VariableExpression(name=trigger, location=place), location=place,
+                arguments=(CallArgument(name='CLK', value=value, location=place),))
 
     def _path(self, text: str, place: Location) -> str:
         """Return a path as it is kept, its list of globals left out; keep its parts."""
@@ -89,12 +116,21 @@ class Operands:
                 name=name, accessors=tuple(Field(name=part) for part in parts), location=place)
         return path
 
+    def _listed(self, group: str, own: str) -> str | None:
+        """Return what a name behind that of a list, or of a program, is called everywhere.
+
+        None if the POU has a name of its own that is the list's, or that it would be taken for.
+        """
+        name = self.lists.get((group.casefold(), own.casefold()))
+        if name is None or group.casefold() in self._hidden:
+            return None
+        is_mine = group.casefold() == self._pou
+        return name if is_mine or name.casefold() not in self._hidden else None
+
     def _without_list(self, text: str) -> str:
         head, _, rest = text.partition('.')
         own, _, tail = rest.partition('.')
-        name = None
-        if head.casefold() not in self._hidden:
-            name = self.lists.get((head.casefold(), own.casefold()))
+        name = self._listed(head, own)
         if name is None:
             return text
         return f'{name}.{tail}' if tail else name
@@ -114,9 +150,12 @@ class Operands:
         def look(variable: VariableExpression) -> VariableExpression:
             if ADDRESS.fullmatch(variable.name):
                 return replace(variable, name=self._address(variable.name, place))
+            if not variable.accessors and variable.name.casefold() in self._edges:
+                _, trigger = self._edges[variable.name.casefold()]
+                return replace(variable, name=trigger, accessors=(Field(name='Q'),))
             match variable.accessors:
-                case (Field(name=own), *rest) if variable.name.casefold() not in self._hidden:
-                    name = self.lists.get((variable.name.casefold(), own.casefold()))
+                case (Field(name=own), *rest):
+                    name = self._listed(variable.name, own)
                     if name is not None:
                         return replace(variable, name=name, accessors=tuple(rest))
             return variable

@@ -136,12 +136,13 @@ class _Importer:
         if not self.elements:
             raise LadderError([problem('L0134', place)])
         types = Types(project.data_types, frozenset(self.elements), report)
+        declarations = Declarations(types, report)
+        declarations.foresee(group.element for group in project.globals)
         types.read_all()
         self.operands.enumerations = types.enumerations
         programs = {
             key: pou for key, pou in self.elements.items() if self.signatures[key].is_program}
         schedule = read_schedule(project, programs, report)
-        declarations = Declarations(types, report)
         self.globals(declarations)
         needed = self.needed(schedule)
         for key, own in self.signatures.items():
@@ -248,9 +249,11 @@ class _Importer:
         element, own, interface = self.elements[key], self.signatures[key], self.interfaces[key]
         with self.report.pou(own.name, needed):
             place = self.report.at(element)
-            self.operands.enter(interface.names)
+            self.operands.enter(key, interface.names, interface.edges)
             rungs, statements, unsupported = self.body(element)
             unsupported = unsupported or interface.unsupported
+            if rungs and interface.edges:
+                unsupported = unsupported or 'it is drawn, and an input of it is an edge'
             if self.report.failed:
                 unsupported = unsupported or _WARNED
             return _Pou(
@@ -320,7 +323,8 @@ class _Importer:
                 yield self.blocks[word][0]
         words = self.words[pou.name.casefold()]
         yield from (
-            name for (group, own), name in self.prefixed.items() if {group, own} <= words)
+            name for (group, own), name in self.prefixed.items()
+            if {group, own} <= words and group not in hidden and name.casefold() not in hidden)
         yield from pou.addresses
 
     # -- the program ------------------------------------------------------------------------

@@ -20,10 +20,11 @@ from ladder_ros.model.derived import (
     Subrange,
     Type,
 )
-from ladder_ros.model.types import DataType, INTEGER_RANGE
+from ladder_ros.model.types import DataType, INTEGER_RANGE, Value
+from ladder_ros.source.constants import whole
 from ladder_ros.source.plcopen_project import child, children
 from ladder_ros.source.plcopen_report import Report
-from ladder_ros.source.plcopen_values import integer, read_initial
+from ladder_ros.source.plcopen_values import read_initial
 from ladder_ros.source.xml_tree import Element
 
 _MAX_NESTING = 24
@@ -39,7 +40,7 @@ _MISSING = frozenset({
     'date', 'tod', 'dt', 'time_of_day', 'date_and_time', 'ldate', 'ltod', 'ldt', 'char', 'wchar',
     'pointer', 'reference',
 })
-_STRING_OF = re.compile(r'\s*w?string\s*[\[(]\s*\w+\s*[\])]\s*', re.IGNORECASE)
+_STRING_OF = re.compile(r'\s*w?string\s*[\[(][^\[\]]+[\])]\s*', re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,6 +82,8 @@ class Types:
         self._open: list[str] = []
         self._sizes: dict[int, tuple[Type, int, int]] = {}
         self.enumerations: dict[str, int] = {}
+        self.constants: Mapping[str, Value] = {}
+        """What may stand for a number in the types that are read next, by casefolded name."""
         for element in declarations:
             name = element.attributes.get('name', '')
             if name.casefold() in self._elements:
@@ -181,7 +184,8 @@ class Types:
         if element is None:
             return found
         try:
-            return Typed(type=found.type, initial=read_initial(element, found.type))
+            return Typed(
+                type=found.type, initial=read_initial(element, found.type, self.constants))
         except ValueError as error:
             return NoType(reason=f'initial value of {name}: {error}', fatal=True)
 
@@ -209,6 +213,9 @@ class Types:
                 return NoType(reason=f'more than {_MAX_NESTING} types in each other', fatal=True)
         return found
 
+    def _number(self, text: str) -> int | None:
+        return whole(text, {**self.enumerations, **self.constants})
+
     def _element_type(self, element: Element | None, what: str) -> Typed | NoType:
         found = self.declared(element)
         if isinstance(found, BlockType):
@@ -224,7 +231,8 @@ class Types:
     def _array(self, element: Element, name: str) -> Found:
         bounds = []
         for dimension in children(element, 'dimension'):
-            low, high = (integer(dimension.attributes.get(key, '')) for key in ('lower', 'upper'))
+            low, high = (self._number(dimension.attributes.get(key, ''))
+                         for key in ('lower', 'upper'))
             if low is None or high is None or low > high or max(-low, high) > _MAX_BOUND:
                 return NoType(fatal=True, reason='bad bounds {}..{} of an array'.format(
                     *(dimension.attributes.get(key, '') for key in ('lower', 'upper'))))
@@ -259,7 +267,10 @@ class Types:
         values: list[tuple[str, int]] = []
         for inner in _values(element):
             own = inner.attributes.get('name', '').strip()
-            number = integer(inner.attributes.get('value', ''))
+            text = inner.attributes.get('value', '').strip()
+            number = self._number(text)
+            if number is None and text:
+                return NoType(reason=f'{text} is no value of an enumeration', fatal=True)
             if number is None:
                 number = values[-1][1] + 1 if values else 0
             if own:
@@ -285,7 +296,7 @@ class Types:
         if not isinstance(found, Typed) or not isinstance(found.type, DataType) \
                 or found.type not in INTEGER_RANGE or limits is None:
             return NoType(reason='a subrange needs an integer type and a range', fatal=True)
-        low, high = (integer(limits.attributes.get(key, '')) for key in ('lower', 'upper'))
+        low, high = (self._number(limits.attributes.get(key, '')) for key in ('lower', 'upper'))
         least, most = INTEGER_RANGE[found.type]
         if low is None or high is None or not least <= low <= high <= most:
             return NoType(reason=f'the range does not fit {found.type}', fatal=True)

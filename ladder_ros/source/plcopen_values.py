@@ -21,6 +21,7 @@ from ladder_ros.model.derived import (
 )
 from ladder_ros.model.types import (
     DataType,
+    INTEGER_RANGE,
     NS_PER_MS,
     NS_PER_S,
     parse_literal,
@@ -28,6 +29,7 @@ from ladder_ros.model.types import (
     TIME_RANGE,
     Value,
 )
+from ladder_ros.source.constants import folded
 from ladder_ros.source.plcopen_project import child, children
 from ladder_ros.source.xml_tree import Element
 
@@ -38,6 +40,8 @@ _ISO = re.compile(
     r'(?:T(?:(?P<h>[\d.]+)H)?(?:(?P<m>[\d.]+)M)?(?:(?P<s>[\d.]+)S)?)?', re.IGNORECASE)
 _CLOCK = re.compile(r'(\d{1,6}):(\d{1,6}):(\d{1,6})(?:\.(\d+))?')
 _NUMBER = re.compile(r'[0-9]{1,15}(?:\.[0-9]{1,9})?')
+_COMPUTED = re.compile(r'[-+*/(]|\bMOD\b', re.IGNORECASE)
+"""What an expression has, and hardly anything else that is no number."""
 _DAY = 86400 * NS_PER_S
 _UNITS = {
     'd': _DAY, 'h': 3600 * NS_PER_S, 'm': 60 * NS_PER_S, 's': NS_PER_S, 'ms': NS_PER_MS,
@@ -153,7 +157,12 @@ def _elementary(text: str, type_: DataType, constants: Mapping[str, Value]) -> V
         text = re.sub(r'^L(?=T(?:IME)?#)', '', text, flags=re.IGNORECASE)
         if not text.strip('0'):
             return 0
-    return parse_literal(text, type_)
+    try:
+        return parse_literal(text, type_)
+    except ValueError:
+        if not (type_ in INTEGER_RANGE or type_.is_real) or not _COMPUTED.search(text):
+            raise
+        return parse_literal(str(folded(text, constants)), type_)
 
 
 def _parts(

@@ -54,6 +54,13 @@ def parse_any(data: bytes, file: str = '') -> Program:
     namespace, tag = root_element(data)
     if is_project(namespace, tag):
         return with_options(parse_project(data, file), import_options(file))
+    if not tag and b'<' not in data.lstrip()[:8] and data.strip():
+        first = data[:100].decode('utf-8-sig', errors='replace').strip()[:20]
+        raise LadderError.of(
+            'L0109', Location(file=file),
+            reason=f'it is neither XML nor Structured Text: it begins with {first!r}',
+            help='a text begins with PROGRAM, FUNCTION_BLOCK, FUNCTION, TYPE, VAR_GLOBAL or '
+                 'CONFIGURATION, or a comment before them, and is UTF-8')
     if tag == 'project':
         raise LadderError([problem(
             'L0102', Location(file=file), root='<project>', help=(

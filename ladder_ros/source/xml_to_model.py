@@ -329,7 +329,7 @@ class ProgramReader:
     def _parts(self, elements: Iterable[Element]) -> tuple[
             tuple[Rung, ...], tuple[Statement, ...]]:
         """Return the rungs, drawings and statements of a POU."""
-        self._foreign.operands.enter(frozenset())
+        self._foreign.operands.enter('', frozenset())
         rungs: list[Rung] = []
         statements: tuple[Statement, ...] = ()
         first = ''

@@ -15,17 +15,18 @@ import pytest
 
 from compiler.agreement import assert_same, executable, Machine, QUICK
 from compiler.large import bridges, mesh, nested, SHAPES, stages_of_two
-from ladder_ros.compiler import dump
+from ladder_ros.compiler import dump, link
 from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.compiler.checks import check_size
 from ladder_ros.compiler.dump import dump_stage, STAGES
 from ladder_ros.compiler.il_text import parse_il, print_il
 from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.compiler.stages import analyse, completed
-from ladder_ros.diagnostics import LadderError
+from ladder_ros.diagnostics import LadderError, Severity
 from ladder_ros.drawing.rung_text import draw_program
 from ladder_ros.model.program import CallKind, Program
 from ladder_ros.source.model_to_xml import write_program
+from ladder_ros.source.read_any import parse_any
 from ladder_ros.source.xml_to_model import parse_program
 
 INPUTS = [(False, False), (True, False), (False, True), (True, True)]
@@ -116,6 +117,49 @@ def test_composites_when_nested_too_deep_then_are_refused(call: CallKind, levels
     with pytest.raises(LadderError) as caught:
         compile_program(nested(levels, call))
     assert {d.code for d in caught.value.diagnostics} == {'L0401'}
+
+
+def called(levels: int, times: int) -> str:
+    """Return functions in text, each of which calls the one before several times."""
+    first = 'FUNCTION F0 : INT F0 := 1; END_FUNCTION\n'
+    return first + ''.join(
+        f'FUNCTION F{n} : INT F{n} := {" + ".join([f"F{n - 1}()"] * times)}; END_FUNCTION\n'
+        for n in range(1, levels)) + (
+        f'PROGRAM p VAR x : INT; END_VAR x := F{levels - 1}(); END_PROGRAM')
+
+
+def declared(levels: int, times: int) -> str:
+    """Return function blocks in text, each of which declares the one before several times."""
+    names = ', '.join(f'f{n}' for n in range(times))
+    return 'FUNCTION_BLOCK F0 VAR x : INT; END_VAR END_FUNCTION_BLOCK\n' + ''.join(
+        f'FUNCTION_BLOCK F{n} VAR {names} : F{n - 1}; END_VAR END_FUNCTION_BLOCK\n'
+        for n in range(1, levels)) + (
+        f'PROGRAM p VAR f : F{levels - 1}; END_VAR END_PROGRAM')
+
+
+@pytest.mark.parametrize('text', [
+    called(150, 1), declared(150, 1), called(40, 2), declared(40, 2)])
+def test_text_when_its_calls_or_instances_multiply_then_it_is_refused(
+    text: str, monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(link, 'ROUTINE_LIMIT', 1000)
+    with pytest.raises(LadderError) as caught:
+        compile_program(parse_any(text.encode(), 'p.st'))
+    assert [d.code for d in caught.value.diagnostics if d.severity is Severity.ERROR] == ['L0401']
+
+
+@pytest.mark.parametrize('text', [called(100, 1), declared(100, 1)])
+def test_text_when_nested_100_deep_then_it_runs(text: str) -> None:
+    Machine(parse_any(text.encode(), 'p.st')).scan()
+
+
+def test_function_blocks_when_they_declare_each_other_then_the_chain_is_shown() -> None:
+    text = """FUNCTION_BLOCK A VAR b : B; END_VAR END_FUNCTION_BLOCK
+        FUNCTION_BLOCK B VAR a : A; END_VAR END_FUNCTION_BLOCK
+        PROGRAM p VAR a : A; END_VAR END_PROGRAM"""
+    with pytest.raises(LadderError) as caught:
+        compile_program(parse_any(text.encode(), 'p.st'))
+    assert 'break the chain B -> A -> B' in str(caught.value)
 
 
 @pytest.mark.slow

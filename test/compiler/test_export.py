@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
+from itertools import product
 from pathlib import Path
 from random import Random
 import re
@@ -319,3 +320,49 @@ def test_example_when_written_in_instruction_list_then_it_is_as_shown(
 ) -> None:
     program = read_any(ROOT / 'programs' / 'conveyor_counter.xml')
     golden(write_il(program), 'compiler/conveyor_counter.iec.txt')
+
+
+@pytest.mark.parametrize('form', FORMS)
+def test_element_when_several_subscripts_are_calculated_then_each_is_written(form: str) -> None:
+    program = parse_st(b"""
+        TYPE Cell : STRUCT x : INT; v : ARRAY[1..2] OF INT; END_STRUCT; END_TYPE
+        FUNCTION_BLOCK Cube
+          VAR_INPUT i, j : INT; END_VAR  VAR_OUTPUT s : INT; END_VAR
+          VAR m : ARRAY[-1..1, 0..2, 5..6] OF INT; END_VAR
+          m[i, j, 5] := m[i, j, 5] + 1; m[i, 2, i + 5] := m[-1, j, i + 6] + 10;
+          s := m[i, j, i + j + 4] + m[0, 0, j + 5] + m[1, j, 5];
+        END_FUNCTION_BLOCK
+        PROGRAM p
+          VAR_INPUT i, j : INT; END_VAR  VAR_OUTPUT a, b, c, d : INT; END_VAR
+          VAR cube : Cube; row : ARRAY[0..3] OF Cell; END_VAR
+          VAR hall : ARRAY[1..2] OF ARRAY[0..2] OF Cell; END_VAR
+          cube(i := i, j := j); a := cube.s;
+          row[i].v[j] := row[i].v[j] + i; row[j].x := row[j].x + 1;
+          b := row[j].v[i] + 10 * row[3].v[2] + 100 * row[i].x;
+          hall[i][j].v[i] := hall[i][j].v[1] + j; hall[1][j].x := hall[2][i].x + j;
+          hall[j][0].v[2] := hall[j][0].v[2] + 9; c := hall[j][i].v[j];
+          d := hall[i][j].v[2] + hall[1][0].x + hall[j][1].v[i];
+        END_PROGRAM""", 'p.st')
+    machines = Machine(program), Machine(there_and_back(program, form))
+    for i, j in product(range(-2, 5), repeat=2):
+        expected, found = (
+            [machine.scan(i=i, j=j)[name] for name in 'abcd'] for machine in machines)
+        assert found == expected
+
+
+@pytest.mark.parametrize('form', FORMS)
+def test_function_when_it_is_not_enabled_then_it_gives_zero_again(form: str) -> None:
+    program = parse_st(b"""
+        FUNCTION Twice : INT
+          VAR_INPUT of : INT; END_VAR  VAR_OUTPUT half : INT := 7; END_VAR
+          Twice := of * 2; half := of / 2;
+        END_FUNCTION
+        PROGRAM p
+          VAR_INPUT go : BOOL; n : INT; END_VAR  VAR_OUTPUT a, b, c : INT; END_VAR
+          a := Twice(EN := go, of := n) + 1;
+          b := Twice(of := Twice(EN := go, of := n, half => c));
+        END_PROGRAM""", 'p.st')
+    machines = Machine(program), Machine(there_and_back(program, form))
+    seen = [[(m['a'], m['b'], m['c']) for go in (True, False, True)
+             for m in [machine.scan(go=go, n=10)]] for machine in machines]
+    assert seen == [[(21, 40, 5), (1, 0, 5), (21, 40, 5)]] * 2

@@ -22,6 +22,18 @@ from ladder_ros.model.types import NS_PER_MS
 MS = NS_PER_MS
 
 
+def test_function_when_its_eno_is_negated_then_its_result_is_stored_while_it_is_enabled() -> None:
+    run = Run(program(
+        element('contact', 1, [0], 'a') + element('inVariable', 2, text='n')
+        + element('inVariable', 3, text='1')
+        + block('ADD', 4, [pin('EN', 1), pin('IN1', 2), pin('IN2', 3)], ['ENO', 'OUT']).replace(
+            'formalParameter="ENO" negated="false"', 'formalParameter="ENO" negated="true"')
+        + wired('outVariable', 5, '4.OUT', 'n') + wired('coil', 6, '4.ENO', 'off'),
+        variables(a='BOOL', n='INT', off='BOOL')))
+    seen = [(row['n'], row['off']) for a in (True, False, True) for row in [run.scan(a=a)]]
+    assert seen == [(1, False), (1, True), (2, False)]
+
+
 # -- edges ----------------------------------------------------------------------------------------
 
 @pytest.mark.parametrize(('edge', 'values', 'pulses'), [

@@ -9,11 +9,12 @@ from hypothesis import strategies as st
 import pytest
 
 from compiler.structured_text import errors, errors_of, MS, pou, program, run
-from ladder_ros.compiler import il_interpreter, il_to_python
+from ladder_ros.compiler import il_interpreter, il_to_llvm, il_to_python
 from ladder_ros.compiler.backends import BACKENDS
 from ladder_ros.compiler.il import LoopError
 from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.compiler.st_to_il import MAX_LOOPS
+from ladder_ros.diagnostics import LadderError
 from ladder_ros.executable import Variant
 from ladder_ros.model.derived import Array, Type
 from ladder_ros.model.program import CallKind
@@ -160,13 +161,18 @@ def test_return_when_inside_a_loop_then_nothing_more_is_done() -> None:
 
 
 @pytest.mark.parametrize('backend', BACKENDS)
-def test_loop_when_it_never_ends_then_the_watchdog_stops_it(
-    backend: str, monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize('text', [
+    'WHILE TRUE DO n := n + 1; END_WHILE',
+    # No loop makes many rounds at a time, all together do.
+    'FOR i := 1 TO 50 DO FOR j := 1 TO 50 DO n := n + 1; END_FOR; END_FOR',
+    'FOR i := 1 TO 900 DO n := 1; END_FOR; FOR i := 1 TO 900 DO n := 1; END_FOR',
+])
+def test_loop_when_it_makes_too_many_rounds_then_the_watchdog_stops_it(
+    text: str, backend: str, monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    for module in (il_interpreter, il_to_python):
+    for module in (il_interpreter, il_to_python, il_to_llvm):
         monkeypatch.setattr(module, 'LOOP_LIMIT', 1000)
-    executable = compile_program(
-        program('WHILE TRUE DO n := n + 1; END_WHILE', INTS), backend=backend).executable
+    executable = compile_program(program(text, INTS), backend=backend).executable
     (scan,) = executable.build(Variant()).values()
     with pytest.raises(LoopError):
         scan(executable.initial_state(), 0, None)
@@ -409,3 +415,10 @@ def test_assignment_when_random_then_it_runs_or_is_refused(expression: str, targ
                    composites=[TWICE, SUM], enumerations={'green': 3})
     if not errors(made):
         run(made)
+
+
+def test_call_when_the_type_of_the_instance_is_unknown_then_that_is_said() -> None:
+    with pytest.raises(LadderError) as caught:
+        run(program('t(IN := TRUE);', {}, blocks={'t': 'TOON'}))
+    assert 'declared with the type TOON, which is not in the file' in str(caught.value)
+    assert 'did you mean TON?' in str(caught.value)
