@@ -145,6 +145,7 @@ def _serve(node: object, plain: list[str], stop: threading.Event) -> int:
     callbacks = CallbackThread(node, on_end)
     while not stop.wait(3600.0):
         pass
+    plc.hurry()
     callbacks.stop()
     plc.close()
     if failures:

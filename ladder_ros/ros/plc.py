@@ -21,6 +21,7 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.ros.cell import Cell, Json, no_program
 from ladder_ros.ros.files import Recordings, retain_file
+from ladder_ros.ros.journal import Journal
 from ladder_ros.ros.lifecycle import Lifecycle, Phase
 from ladder_ros.ros.live import error_text, LiveParameters, shown
 from ladder_ros.ros.loading import Prepared
@@ -29,7 +30,7 @@ from ladder_ros.ros.parameters import Settings
 from ladder_ros.ros.program_source import first_program, next_program, ProgramFolders
 from ladder_ros.ros.reasons import reason_of
 from ladder_ros.ros.rules import Declaration
-from ladder_ros.ros.services import serve
+from ladder_ros.ros.services import answer, serve
 from ladder_ros.ros.sim_clock import RosTimeClock
 from ladder_ros.ros.spinning import Attention
 from ladder_ros.ros.status import (
@@ -85,8 +86,9 @@ class Plc:
         self._changes = ChangePublisher(node)
         self._shadow = ShadowPublisher(node, self._look)
         self._status = StatusPublisher(
-            node, self.state, self._condition, self._tasks, settings.status_period)
-        serve(node, {
+            node, self.state, self._condition, self._tasks, settings.status_period,
+            Journal(self._log).note)
+        self._services = serve(node, {
             'reload': self.reload, 'start': self.start, 'stop': self.stop, 'reset': self.reset,
             'preflight': self.preflight, 'test': self.test, 'untest': self.untest,
             'accept': self.accept, 'shadow': self.shadow, 'end_shadow': self.end_shadow,
@@ -124,6 +126,10 @@ class Plc:
         self._keep_house()
         self._status.publish()
 
+    def hurry(self) -> None:
+        """End what the callback thread may be waiting for: the node is about to close."""
+        self._cell.loader.give_up()
+
     def close(self) -> None:
         """Stop scanning and leave the safe values of the outputs behind."""
         self._cell.stop()
@@ -137,7 +143,7 @@ class Plc:
             retain_period_s=self._settings.values['retain_period'],
             real_time=self._settings.real_time)
         cell = Cell(self._node, session, self._settings, self._log.warning, self._resolve_topic,
-                    self._ros_time, self._attention.ask)
+                    self._ros_time, self._attention.ask, self._meanwhile)
         cell.require(self._live['change.require'])
         return cell
 
@@ -307,7 +313,10 @@ class Plc:
             raise LadderError.of(
                 'L0508', Location(), request='ending a recording',
                 state=self._cell.session.state.value, expected='call ~/record first')
-        return {**summary.to_json(), 'success': not summary.error}
+        report = summary.to_json()
+        if summary.error:
+            report['error'] = f'the recording {summary.path} broke off: {summary.error}'
+        return {**report, 'success': not summary.error}
 
     def _after_service(self, report: Mapping[str, Any]) -> Json:
         """Tell what has changed, and return what every answer of a service ends with."""
@@ -407,8 +416,8 @@ class Plc:
 
     def _tasks(self) -> Callable[[], list[Any]]:
         before, self._last_overruns = self._last_overruns, self._cell.session.statistics.overruns
-        return lambda: diagnostic_tasks(
-            self._node.get_name(), self.state(), self._cell.bindings.plan, before)
+        name = self._node.get_fully_qualified_name().lstrip('/')
+        return lambda: diagnostic_tasks(name, self.state(), self._cell.bindings.plan, before)
 
     def _note_error(self, error: Exception) -> None:
         text = error_text(error)
@@ -426,6 +435,11 @@ class Plc:
             f'program {prepared.loaded.name} ({prepared.path}, '
             f'{prepared.loaded.source_hash[:12]}): {len(prepared.io_map.inputs)} inputs, '
             f'{len(prepared.io_map.outputs)} outputs')
+
+    def _meanwhile(self) -> None:
+        """Stop when asked to, and go on telling, while a program is compiled."""
+        answer(self._services['stop'])
+        self._status.beat()
 
     # What happened in the scan thread
 

@@ -65,8 +65,9 @@ class StatusPublisher:
     def __init__(
         self, node: Any, state: Callable[[], Mapping[str, Any]], condition: Callable[[], object],
         tasks: Callable[[], Callable[[], list[DiagnosticStatus]]], period: float,
+        note: Callable[[Mapping[str, Any]], None],
     ) -> None:
-        """Start publishing; ``state`` is plain JSON data.
+        """Start publishing; ``state`` is plain JSON data, ``note`` gets each that is published.
 
         ``tasks`` begins another second, and returns what makes the diagnostics of the last one.
         ``condition`` returns what is equal as long as the state is not worth publishing.
@@ -75,7 +76,10 @@ class StatusPublisher:
         self._state = state
         self._condition = condition
         self._tasks = tasks
+        self._note = note
         self._last: object = None
+        self._period = period
+        self._at = 0.0
         self._state_publisher = node.create_publisher(String, '~/state', LATCHED)
         self._diagnostics = node.create_publisher(
             DiagnosticArray, '/diagnostics', 10,
@@ -92,12 +96,22 @@ class StatusPublisher:
         """Publish the state."""
         self._last = self._condition()
         self._every_period.reset()
-        self._state_publisher.publish(String(data=json.dumps(dict(self._state()))))
+        self._at = time.monotonic()
+        state = self._state()
+        self._state_publisher.publish(String(data=json.dumps(dict(state))))
+        self._note(state)
 
     def look(self) -> None:
         """Publish the state if something has happened."""
         if self._condition() != self._last:
             self.publish()
+
+    def beat(self) -> None:
+        """Publish both in time although no timer is heard at present."""
+        if time.monotonic() - self._at >= max(self._period, DIAGNOSTICS):
+            self.publish()
+            if not self._every_second.is_canceled():
+                self._publish_diagnostics()
 
     def _attend(self, audience: Any) -> None:
         """Publish diagnostics as long as anybody listens."""
@@ -186,6 +200,7 @@ def diagnostic_tasks(
 ) -> list[DiagnosticStatus]:
     """Return the diagnostics: scan, program, I/O, forces, change, retain, and each task.
 
+    ``node_name`` comes first in their names: with its namespace, since all cells share a topic.
     ``state`` is what ~/state publishes; ``overruns_before`` those at the last look.
     """
     look = _Look(node=node_name, state=state, plan=plan, overruns_before=overruns_before)
@@ -275,8 +290,9 @@ def _retain(look: _Look) -> DiagnosticStatus:
     retain = look.state.get('retain') or {}
     error = retain.get('error')
     return look.task(
-        'retain', ERROR if error else OK,
-        str(error) if error else f'saved {retain["saved"]}' if retain.get('saved')
+        'retain', ERROR if error else WARN if retain.get('from') == 'previous' else OK,
+        str(error) if error else 'the values saved last were damaged, those before were taken'
+        if retain.get('from') == 'previous' else f'saved {retain["saved"]}' if retain.get('saved')
         else 'nothing is saved', retain)
 
 

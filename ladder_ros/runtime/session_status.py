@@ -50,6 +50,7 @@ def session_status(
         'shadow': shadow.status().to_json() if shadow else None,
         'retain': retention.to_json() if retention else None,
         'recording': trace.path if trace else None,
+        'recording_error': (trace.error or None) if trace else None,
         'listener_error': controller.listener_error or None,
     }
 
@@ -67,8 +68,8 @@ def condition(
     return (
         controller.state, controller.fault, cycle and cycle.runs_as, controller.interval,
         controller.statistics.overruns, controller.refused, controller.forces,
-        _arithmetic_errors(controller), controller.listener_error, trace and (trace.path, trace.error),
-        retention and (retention.error, retention.source),
+        _arithmetic_errors(controller), controller.listener_error,
+        trace and (trace.path, trace.error), retention and (retention.error, retention.source),
         loaded and (loaded.path, loaded.source_hash, loaded.backend),
         last and (last.kind, last.time, last.report and last.report.gap_ns),
         trial and trial.began, candidate and candidate.source_hash)

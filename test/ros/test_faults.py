@@ -38,7 +38,7 @@ RETAINING = counting('1').replace('name="n"', 'name="n" retain="true"', 1)
 def level(statuses: Any, task: str) -> tuple[bytes, str]:
     """Return level and message of a task in the diagnostics."""
     return next(((status.level, status.message) for status in statuses or ()
-                 if status.name == f'plc_node: {task}'), (b'', ''))
+                 if status.name.endswith(f'/plc_node: {task}')), (b'', ''))
 
 
 def test_node_when_killed_in_mid_cycle_then_it_goes_on_with_its_retained_values(
