@@ -14,6 +14,7 @@ import sys
 import time
 from typing import Any
 
+from rclpy.clock import Clock, ClockType
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock as ClockMessage
@@ -27,6 +28,7 @@ from ladder_ros.ros.live import error_text, LiveParameters, shown
 from ladder_ros.ros.loading import Prepared
 from ladder_ros.ros.monitor import Monitor, view
 from ladder_ros.ros.parameters import Settings
+from ladder_ros.ros.partners import PERIOD
 from ladder_ros.ros.program_source import first_program, next_program, ProgramFolders
 from ladder_ros.ros.reasons import reason_of
 from ladder_ros.ros.rules import Declaration
@@ -88,6 +90,8 @@ class Plc:
         self._status = StatusPublisher(
             node, self.state, self._condition, self._tasks, settings.status_period,
             Journal(self._log).note)
+        node.create_timer(PERIOD, lambda: self._keep_house(self._cell.bindings.look),
+                          clock=Clock(clock_type=ClockType.STEADY_TIME))
         self._services = serve(node, {
             'reload': self.reload, 'start': self.start, 'stop': self.stop, 'reset': self.reset,
             'preflight': self.preflight, 'test': self.test, 'untest': self.untest,
@@ -405,14 +409,16 @@ class Plc:
         return {
             **self._cell.session.status(), 'lifecycle': self._lifecycle.phase.value,
             'last_error': self._last_error, 'stale': stale_inputs(bindings.plan),
-            'incompatible_qos': dict(bindings.mismatches), 'io': io_counts(bindings.plan),
+            'incompatible_qos': dict(bindings.partners.misfits),
+            'rivals': dict(bindings.partners.rivals), 'io': io_counts(bindings.plan),
         }
 
     def _condition(self) -> object:
         """Return what is equal as long as the state is, but for what changes all the time."""
         bindings = self._cell.bindings
         return (self._cell.session.condition(), self._lifecycle.phase, self._last_error,
-                stale_inputs(bindings.plan), dict(bindings.mismatches))
+                stale_inputs(bindings.plan), dict(bindings.partners.misfits),
+                dict(bindings.partners.rivals))
 
     def _tasks(self) -> Callable[[], list[Any]]:
         before, self._last_overruns = self._last_overruns, self._cell.session.statistics.overruns

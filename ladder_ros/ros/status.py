@@ -79,7 +79,7 @@ class StatusPublisher:
         self._note = note
         self._last: object = None
         self._period = period
-        self._at = 0.0
+        self._at = time.monotonic()
         self._state_publisher = node.create_publisher(String, '~/state', LATCHED)
         self._diagnostics = node.create_publisher(
             DiagnosticArray, '/diagnostics', 10,
@@ -249,8 +249,11 @@ def _io(look: _Look) -> DiagnosticStatus:
     stale = stale_inputs(look.plan)
     counts = io_counts(look.plan)
     mismatches = look.state.get('incompatible_qos') or {}
+    rivals = look.state.get('rivals') or {}
     problems = [f'{len(stale)} inputs are stale' if stale else '',
-                f'{len(mismatches)} topics have incompatible QoS' if mismatches else '',
+                f'{len(mismatches)} topics have another type or QoS on the other side'
+                if mismatches else '',
+                f'{len(rivals)} topics or names are used by other nodes as well' if rivals else '',
                 f'{counts["rejected"]} values were not usable' if counts['rejected'] else '',
                 f'{counts["failed"]} messages could not be sent' if counts['failed'] else '']
     found = [text for text in problems if text]
@@ -260,7 +263,8 @@ def _io(look: _Look) -> DiagnosticStatus:
          'rejected_inputs': ', '.join(
              f'{name} ({why})' for name, why in rejected_inputs(look.plan).items()),
          'incompatible_qos': ', '.join(f'{topic} ({policy})'
-                                       for topic, policy in mismatches.items())})
+                                       for topic, policy in mismatches.items()),
+         'rivals': ', '.join(f'{topic} ({names})' for topic, names in rivals.items())})
 
 
 def _forces(look: _Look) -> DiagnosticStatus:
