@@ -31,10 +31,9 @@ class Journal:
 def events(before: State, state: State) -> Iterator[str]:
     """Yield what has happened and is no trouble."""
     phase = state['lifecycle']
-    if before.get('lifecycle') != phase:
+    if before.get('lifecycle', 'unconfigured') != phase:
         yield {
-            'unconfigured': 'unconfigured: no program is loaded; the transition configure, or '
-                            '~/start, loads it',
+            'unconfigured': 'unconfigured: the program is unloaded',
             'inactive': 'inactive: no scans; outputs have their safe values',
             'active': f'active: {state["program"]} is scanned every {state["interval_ms"]:g} ms',
             'finalized': 'finalized: nothing runs any more; end the process',

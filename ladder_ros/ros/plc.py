@@ -124,6 +124,7 @@ class Plc:
             self._lifecycle.request('configure')
         else:
             self._cell.prepare(self._wanted, strict=True)  # to refuse it before anybody waits
+            self._log.info('unconfigured: waiting for the transition configure, or for ~/start')
         self._live.declare(self._declarations())
         if self._lifecycle.phase is Phase.INACTIVE and settings.autostart:
             self._lifecycle.request('activate')
