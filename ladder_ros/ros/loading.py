@@ -42,13 +42,16 @@ class Loader:
 
     def __init__(
         self, entries: Mapping[str, IoEntry], resolve_topic: ResolveTopic,
-        polls: Iterable[Callable[[], None]],
+        polls: Iterable[Callable[[], None]], ended: Callable[[], bool],
     ) -> None:
-        """Use an I/O map; each of ``polls`` is called again and again while the caller waits."""
+        """Use an I/O map; each of ``polls`` is called again and again while the caller waits.
+
+        ``ended`` says whether the node is about to end: then nobody waits any more.
+        """
         self._entries = entries
         self._resolve_topic = resolve_topic
         self._polls = tuple(polls)
-        self._given_up = False
+        self._ended = ended
         self.worker: threading.Thread | None = None
         """The thread that works at present, or did so last."""
 
@@ -61,10 +64,6 @@ class Loader:
         """
         loaded = self.in_background(lambda: compile_it(str(path)), str(path))
         return self.check_io(path, loaded, strict=strict)
-
-    def give_up(self) -> None:
-        """Let whoever waits in this loader wait no longer.  For any thread."""
-        self._given_up = True
 
     def check_io(self, path: Path, loaded: Loaded, *, strict: bool) -> Prepared:
         """Check the I/O map of a compiled program.  Raises LadderError."""
@@ -97,7 +96,7 @@ class Loader:
         deadline = time.monotonic() + LOAD_SECONDS
         while self.worker.is_alive():
             self.worker.join(POLL_SECONDS)
-            if self._given_up:
+            if self._ended():
                 raise LadderError.of(
                     'L0610', Location(file=name), reason='the node ends',
                     expected='start it again')

@@ -143,16 +143,17 @@ def _serve(node: Any, arguments: list[str], plain: list[str], stop: threading.Ev
             failures.append(error)
         stop.set()
 
-    plc = Plc(node, settings)
+    plc = Plc(node, settings, stop.is_set)
     try:
         plc.open()
     except (LadderError, InternalError) as error:
         plc.close()
+        if stop.is_set():
+            return 0
         return _refuse(f'{error}\nplc_node does not start: mend this and start it again')
     callbacks = CallbackThread(node, on_end)
     while not stop.wait(3600.0):
         pass
-    plc.hurry()
     callbacks.stop()
     plc.close()
     if failures:

@@ -55,11 +55,17 @@ SWITCH_INTERVAL = 0.0005
 class Plc:
     """A ladder program on topics."""
 
-    def __init__(self, node: Any, settings: Settings) -> None:
-        """Make an empty controller on a managed node; :meth:`open` brings it to life."""
+    def __init__(
+        self, node: Any, settings: Settings, ended: Callable[[], bool] = lambda: False,
+    ) -> None:
+        """Make an empty controller on a managed node; :meth:`open` brings it to life.
+
+        ``ended`` says whether the node is about to end: no compiler is waited for then.
+        """
         self._node = node
         self._log = node.get_logger()
         self._settings = settings
+        self._ended = ended
         self._sim_clock = self._follow_clock()
         name = node.get_fully_qualified_name()
         self._retain_file = retain_file(settings.values['retain_file'], name)
@@ -126,14 +132,10 @@ class Plc:
             self._cell.prepare(self._wanted, strict=True)  # to refuse it before anybody waits
             self._log.info('unconfigured: waiting for the transition configure, or for ~/start')
         self._live.declare(self._declarations())
-        if self._lifecycle.phase is Phase.INACTIVE and settings.autostart:
+        if self._lifecycle.phase is Phase.INACTIVE and settings.autostart and not self._ended():
             self._lifecycle.request('activate')
         self._keep_house()
         self._status.publish()
-
-    def hurry(self) -> None:
-        """End what the callback thread may be waiting for: the node is about to close."""
-        self._cell.loader.give_up()
 
     def close(self) -> None:
         """Stop scanning and leave the safe values of the outputs behind."""
@@ -148,7 +150,8 @@ class Plc:
             retain_period_s=self._settings.values['retain_period'],
             real_time=self._settings.real_time)
         cell = Cell(self._node, session, self._settings, self._log.warning, self._resolve_topic,
-                    self._ros_time, self._attention.ask, self._meanwhile)
+                    self._ros_time, self._attention.ask, self._meanwhile,
+                    self._ended)
         cell.require(self._live['change.require'])
         return cell
 

@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 from ros.client import (
     block,
+    connected,
     COPY,
     counting,
     LATCH,
@@ -290,6 +291,19 @@ def test_stop_when_a_program_is_being_compiled_then_it_does_not_wait_for_it(plc:
     assert reply.result().success
     assert running.client.call('start')['state'] == 'running'
     follows.wait(True)
+
+
+def test_node_when_ended_while_it_starts_then_it_does_not_begin_to_scan(
+        start_node: Any, tmp_path: Path) -> None:
+    file = tmp_path / 'slow.xml'
+    file.write_text(slow_program(12_000), encoding='utf-8')
+    child, namespace = start_node({'program': str(file)})
+    with connected(namespace) as client:
+        services = client.node.get_service_names_and_types
+        until(lambda: f'{client.plc}/stop' in dict(services()), 'the node in the graph')
+        child.interrupt()
+        assert child.wait() == 0
+    assert 'active' not in child.output and 'Traceback' not in child.output
 
 
 def test_node_when_ended_while_it_compiles_then_outputs_are_safe_at_once(plc: Start) -> None:
