@@ -38,6 +38,7 @@ from ladder_ros.ros.spinning import Attention
 from ladder_ros.ros.status import (
     ASKED_FOR,
     ChangePublisher,
+    Counted,
     diagnostic_tasks,
     io_counts,
     LOOK,
@@ -83,7 +84,7 @@ class Plc:
         self._autostart = settings.autostart
         self._record_at_start = settings.values['record_file']
         self._last_error = ''
-        self._last_overruns = 0
+        self._counted = Counted()
         self._lifecycle = Lifecycle(node, {
             'configure': self._configure, 'activate': self._activate,
             'deactivate': self._deactivate, 'cleanup': self._cleanup, 'shutdown': self._shutdown,
@@ -425,7 +426,9 @@ class Plc:
                 dict(bindings.partners.rivals))
 
     def _tasks(self) -> Callable[[], list[Any]]:
-        before, self._last_overruns = self._last_overruns, self._cell.session.statistics.overruns
+        statistics = self._cell.session.statistics
+        before, self._counted = self._counted, Counted(
+            scans=statistics.scans, overruns=statistics.overruns)
         name = self._node.get_fully_qualified_name().lstrip('/')
         return lambda: diagnostic_tasks(name, self.state(), self._cell.bindings.plan, before)
 

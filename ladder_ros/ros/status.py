@@ -180,13 +180,21 @@ def task_status(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Counted:
+    """Numbers since the start, at one time."""
+
+    scans: int = -1
+    overruns: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class _Look:
     """What the diagnostics are made from."""
 
     node: str
     state: Mapping[str, Any]
     plan: Plan
-    overruns_before: int
+    before: Counted
 
     def task(
         self, name: str, level: bytes, message: str, values: Mapping[str, object],
@@ -196,14 +204,14 @@ class _Look:
 
 
 def diagnostic_tasks(
-    node_name: str, state: Mapping[str, Any], plan: Plan, overruns_before: int,
+    node_name: str, state: Mapping[str, Any], plan: Plan, before: Counted,
 ) -> list[DiagnosticStatus]:
     """Return the diagnostics: scan, program, I/O, forces, change, retain, and each task.
 
     ``node_name`` comes first in their names: with its namespace, since all cells share a topic.
-    ``state`` is what ~/state publishes; ``overruns_before`` those at the last look.
+    ``state`` is what ~/state publishes; ``before`` what was counted at the last look.
     """
-    look = _Look(node=node_name, state=state, plan=plan, overruns_before=overruns_before)
+    look = _Look(node=node_name, state=state, plan=plan, before=before)
     return [_scan(look), _program(look), _io(look), _forces(look), _change(look), _retain(look),
             *(_task(look, task) for task in state.get('tasks') or ())]
 
@@ -212,13 +220,16 @@ def _scan(look: _Look) -> DiagnosticStatus:
     state = look.state
     word = state['state']
     overruns = state.get('overruns', 0)
-    late = overruns > look.overruns_before
+    late = overruns > look.before.overruns
+    stands = (word == 'running' and state.get('scans') == look.before.scans
+              and state.get('interval_ms', 0) < DIAGNOSTICS * 1000)
     share = state.get('share') or {}
     return look.task(
         'scan',
-        ERROR if word == 'faulted' else WARN if late or word != 'running' else OK,
-        f'{word}, {overruns - look.overruns_before} overruns in the last second'
-        if late else word,
+        ERROR if word == 'faulted' else WARN if late or stands or word != 'running' else OK,
+        f'{word}, {overruns - look.before.overruns} overruns in the last second'
+        if late else f'{word}, but no scan in the last second (with use_sim_time: /clock stands)'
+        if stands else word,
         {'state': word, 'lifecycle': state.get('lifecycle'),
          'period_ms': state.get('interval_ms'), 'scans': state.get('scans'),
          'overruns': overruns, 'skipped': state.get('skipped'),

@@ -438,3 +438,13 @@ def test_parameters_when_the_file_is_of_another_node_then_they_are_not_taken(
     assert list(_settings(path, '/cell/plc_node').io) == ['a']
     path.write_text(path.read_text(encoding='utf-8').replace('/**', 'other'), encoding='utf-8')
     assert not _settings(path, '/cell/plc_node').io
+
+
+def test_simulated_time_when_nobody_publishes_it_then_diagnostics_say_that_nothing_is_scanned(
+        plc: Start) -> None:
+    from diagnostic_msgs.msg import DiagnosticArray
+
+    running = plc(COPY, use_sim_time=True)
+    reports = running.client.listen('/diagnostics', DiagnosticArray, field='status')
+    until(lambda: 'no scan in the last second' in level(reports.last(), 'scan')[1], 'a warning')
+    assert level(reports.last(), 'scan')[0] == b'\1'
