@@ -77,7 +77,8 @@ class Diagnostic:
     related: tuple[tuple[Location, str], ...] = ()
 
     def __str__(self) -> str:
-        lines = [f'{self.location}: {self.severity.value} {self.code}: {self.message}']
+        place = '' if self.location == Location() else f'{self.location}: '
+        lines = [f'{place}{self.severity.value} {self.code}: {self.message}']
         if self.label:
             lines.append(f'    there: {self.label}')
         lines += [f'    also: {place}: {text}' for place, text in self.related]

@@ -110,10 +110,8 @@ class Session:
         self._background = background
         self._trace: TraceRecorder | None = None
         self._is_quiet = False
-        self._retention: Retention | None = None
-        if retain_path is not None:
-            self._retention = Retention(
-                self._controller, os.fspath(retain_path), retain_period_s, _stamp)
+        self._retention = None if retain_path is None else Retention(
+            self._controller, os.fspath(retain_path), retain_period_s, _stamp)
 
     # The program
 
@@ -222,9 +220,11 @@ class Session:
 
     def _download(self, loaded: Loaded) -> Change:
         with self._desk.lock:
+            if self._retention is None:
+                return self._desk.download(loaded)
+            self._retention.claim(loaded.executable)
             change = self._desk.download(loaded)
-            if self._retention is not None:
-                self._retention.restore(loaded.executable)
+            self._retention.restore(loaded.executable)
         return change
 
     # Online change in four words
@@ -464,7 +464,7 @@ class Session:
 
     def condition(self) -> object:
         """Return what is equal as long as nothing has happened that is worth a new status."""
-        return condition(self._controller, self._desk, self._trace)
+        return condition(self._controller, self._desk, self._retention, self._trace)
 
     def status(self) -> Mapping[str, object]:
         """Return the state of all that matters as plain JSON data; times are in ms."""

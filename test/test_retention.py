@@ -145,6 +145,47 @@ def test_save_when_the_disk_is_full_then_the_program_runs_on_and_the_status_says
         assert one.status()['retain']['error'] is None  # type: ignore[index]
 
 
+def test_open_when_the_store_is_damaged_then_it_is_told_and_the_file_is_set_aside(
+    program: Path,
+) -> None:
+    store = program.parent / 'store'
+    store.write_text('junk')
+    clock = SimulatedClock()
+    with Session(clock=clock, retain_path=store) as one:
+        one.open(program)
+        one.start()
+        assert clock.wait_for_sleeper(10)
+        one.stop()  # saves
+        assert 'store.damaged' in one.status()['retain']['error']  # type: ignore[index]
+    assert (program.parent / 'store.damaged').read_text() == 'junk'
+    with session(program.parent) as again:
+        again.open(program)
+        assert (again.status()['retain']['error'], again.read('kept')) == (  # type: ignore[index]
+            None, 1)
+
+
+def test_open_when_another_session_keeps_its_values_there_then_it_is_refused(
+    program: Path,
+) -> None:
+    with session(program.parent) as one:
+        one.open(program)
+        with session(program.parent) as two, pytest.raises(LadderError) as caught:
+            two.open(program)
+        assert 'another process keeps its values there' in str(caught.value)
+    with session(program.parent) as three:
+        three.open(program)
+
+
+def test_open_when_the_store_is_of_another_session_but_nothing_is_retained_then_it_opens(
+    program: Path,
+) -> None:
+    with session(program.parent) as one:
+        one.open(program)
+        program.write_text(PROGRAM.replace(' retain="true"', ''))
+        with session(program.parent) as two:
+            two.open(program)
+
+
 KILLED = """
     import sys
     from ladder_ros.session import Session

@@ -29,6 +29,7 @@ from ladder_ros.executable import ARITHMETIC_ERRORS, Executable
 from ladder_ros.model.types import Value
 from ladder_ros.ros.io_points import Endpoint, InputPoint, IoMap, OutputPoint
 from ladder_ros.ros.message_types import message_class, new_message
+from ladder_ros.ros.partners import Partners
 from ladder_ros.ros.publications import Channel, Publication
 from ladder_ros.ros.reception import Input, NOTHING, Reception, Source
 from ladder_ros.ros.rules import parameter_place
@@ -131,8 +132,8 @@ class Bindings:
         self._plan = Plan()
         self._plans: dict[int, Plan] = {}
         self._settled: set[Endpoint] = set()
-        self.mismatches: dict[str, str] = {}
-        """Incompatible policies by topic."""
+        self.partners = Partners(node, warn, news)
+        """Who is on the other side of the topics and cannot be heard."""
 
     @property
     def plan(self) -> Plan:
@@ -240,6 +241,16 @@ class Bindings:
                     if taken is None:
                         break
                     source.receive(taken[0])
+
+    def look(self) -> None:
+        """Look at the other side of some topics (callback thread)."""
+        entities: dict[Endpoint, Any] = {}
+        for plan in self._plans.values():
+            entities.update((endpoint, source.subscription)
+                            for endpoint, source in plan.sources.items())
+            entities.update((endpoint, publication.channel.publisher)
+                            for endpoint, publication in plan.publications.items())
+        self.partners.look(entities, make_qos)
 
     # After each scan (scan thread)
 
@@ -369,16 +380,8 @@ class Bindings:
         return Channel(publisher=publisher, message=new_message(endpoint.message))
 
     def _mismatch(self, endpoint: Endpoint, event: Any) -> None:
-        policy = str(qos_policy_name_from_kind(event.last_policy_kind)).lower()
-        self.mismatches[endpoint.full_topic] = policy
-        self._news()
-        other = 'subscriber' if endpoint.output else 'publisher'
-        advice = '' if endpoint.output else {
-            'reliability': "; it sends best effort: set the input's qos to sensor_data",
-            'durability': "; it keeps nothing for who comes late: set the input's qos to default",
-        }.get(policy, '')
-        self._warn(f'a {other} of {endpoint.full_topic} has an incompatible quality of service '
-                   f'({policy}): no message passes between the two{advice}')
+        self.partners.tell(
+            endpoint, str(qos_policy_name_from_kind(event.last_policy_kind)).lower())
 
     def _used(self) -> set[Endpoint]:
         return set[Endpoint]().union(*(plan.entities() for plan in self._plans.values()))

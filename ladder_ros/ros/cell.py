@@ -40,15 +40,18 @@ class Cell:
 
     def __init__(
         self, node: Any, session: Session, settings: Settings, warn: Any, resolve_topic: Any,
-        ros_time: RosTime, news: Callable[[], None],
+        ros_time: RosTime, news: Callable[[], None], meanwhile: Callable[[], None],
+        ended: Callable[[], bool],
     ) -> None:
         """Make an empty cell; ``warn`` gets sentences, ``resolve_topic`` as in ``resolve_io``.
 
-        ``news`` is called, in any thread, when something has happened that is worth telling.
+        ``news`` is called, in any thread, when something has happened that is worth telling,
+        ``meanwhile`` again and again while a program is compiled; ``ended`` says whether the node
+        is about to end.
         """
         self.session = session
         self.bindings = Bindings(node, session.inlet, warn, ros_time, news)
-        self.loader = Loader(settings.io, resolve_topic, self.bindings.poll)
+        self.loader = Loader(settings.io, resolve_topic, (self.bindings.poll, meanwhile), ended)
         self._backend = settings.backend
         self._candidate: Prepared | None = None
         self._before: Executable | None = None  # what a test may have to go back to

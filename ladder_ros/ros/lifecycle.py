@@ -34,6 +34,12 @@ _LEADS_TO = {
     'cleanup': Phase.UNCONFIGURED, 'shutdown': Phase.FINALIZED,
 }
 
+_POSSIBLE = {
+    Phase.UNCONFIGURED: 'configure, shutdown', Phase.INACTIVE: 'activate, cleanup, shutdown',
+    Phase.ACTIVE: 'deactivate, shutdown',
+    Phase.FINALIZED: 'none; end the process and start it again',
+}
+
 Report = Callable[[Exception], None]
 
 
@@ -89,7 +95,7 @@ class Lifecycle(ManagedEntity):
             raise LadderError.of(
                 'L0508', Location(), request=f'the transition {transition}',
                 state=self.phase.value,
-                expected=reason_of(error)) from None
+                expected=f'possible now: {_POSSIBLE[self.phase]}') from error
         finally:
             self._asked = False
         if self._error is not None:

@@ -125,12 +125,15 @@ class LiveParameters:
 def as_meant(parameter: Parameter) -> Parameter:
     """Return a parameter in the type that is declared, where what was written means it as well.
 
-    `ros2 param set` makes an integer of 30, and of [] a list of no type in particular; the client
-    library refuses both for a parameter of another type before anybody is asked.
+    `ros2 param set` makes an integer of 30, a text of motor=FALSE, and of [] a list of no type in
+    particular; the client library refuses them for a parameter of another type before anybody is
+    asked.
     """
     kind = KINDS.get(parameter.name)
     if kind is float and parameter.type_ is Parameter.Type.INTEGER:
         return Parameter(parameter.name, Parameter.Type.DOUBLE, float(parameter.value))
+    if kind is list and parameter.type_ is Parameter.Type.STRING:
+        return Parameter(parameter.name, Parameter.Type.STRING_ARRAY, [parameter.value])
     if kind is list and parameter.type_.name.endswith('_ARRAY') and not len(parameter.value):
         return Parameter(parameter.name, Parameter.Type.STRING_ARRAY, [])
     return parameter

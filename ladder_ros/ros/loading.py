@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 import threading
@@ -42,12 +42,16 @@ class Loader:
 
     def __init__(
         self, entries: Mapping[str, IoEntry], resolve_topic: ResolveTopic,
-        poll: Callable[[], None],
+        polls: Iterable[Callable[[], None]], ended: Callable[[], bool],
     ) -> None:
-        """Use an I/O map; ``poll`` is called again and again while the caller waits."""
+        """Use an I/O map; each of ``polls`` is called again and again while the caller waits.
+
+        ``ended`` says whether the node is about to end: then nobody waits any more.
+        """
         self._entries = entries
         self._resolve_topic = resolve_topic
-        self._poll = poll
+        self._polls = tuple(polls)
+        self._ended = ended
         self.worker: threading.Thread | None = None
         """The thread that works at present, or did so last."""
 
@@ -71,8 +75,8 @@ class Loader:
     def in_background(self, work: Callable[[], _T], name: str) -> _T:
         """Do something long in a thread of its own, and receive messages meanwhile.
 
-        Raises what it raises, and LadderError L0610 if it takes too long or another one still
-        does.
+        Raises what it raises, and LadderError L0610 if it takes too long, another one still
+        does, or the node ends.
         """
         if self.worker is not None and self.worker.is_alive():
             raise LadderError.of(
@@ -92,7 +96,12 @@ class Loader:
         deadline = time.monotonic() + LOAD_SECONDS
         while self.worker.is_alive():
             self.worker.join(POLL_SECONDS)
-            self._poll()
+            if self._ended():
+                raise LadderError.of(
+                    'L0610', Location(file=name), reason='the node ends',
+                    expected='start it again')
+            for poll in self._polls:
+                poll()
             if time.monotonic() > deadline:
                 raise LadderError.of(
                     'L0610', Location(file=name),

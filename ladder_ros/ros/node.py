@@ -14,10 +14,12 @@ import sys
 import textwrap
 import threading
 from types import FrameType
+from typing import Any
 
 from ladder_ros import __version__
 from ladder_ros.diagnostics import has_errors, InternalError, LadderError, render
 from ladder_ros.ros.io_entries import IO_RULES, PACKED_RULES
+from ladder_ros.ros.parameter_files import not_meant_for, oddities
 from ladder_ros.ros.parameters import read_settings, RULES
 from ladder_ros.ros.reasons import reason_of
 
@@ -99,7 +101,8 @@ def _run(arguments: list[str], stop: threading.Event) -> int:
     try:
         plain = remove_ros_args(arguments)[1:]
     except Exception as error:  # bad ROS arguments or parameter file
-        return _refuse(f'plc_node cannot start: {_sentence(error)}')
+        return _refuse('\n'.join([f'plc_node cannot start: {_sentence(error)}',
+                                  *oddities(arguments)]))
     if len(plain) > 1 or any(text.startswith('-') for text in plain):
         wrong = next((text for text in plain if text.startswith('-')), ' '.join(plain))
         return _refuse(f'plc_node does not understand {wrong!r}; try plc_node --help')
@@ -110,13 +113,13 @@ def _run(arguments: list[str], stop: threading.Event) -> int:
         rclpy.try_shutdown()
         return _refuse(f'plc_node cannot start: {_sentence(error)}')
     try:
-        return _serve(node, plain, stop)
+        return _serve(node, arguments, plain, stop)
     finally:
         node.destroy_node()
         rclpy.try_shutdown()
 
 
-def _serve(node: object, plain: list[str], stop: threading.Event) -> int:
+def _serve(node: Any, arguments: list[str], plain: list[str], stop: threading.Event) -> int:
     """Run the program on the node until asked to stop."""
     from ladder_ros.ros.plc import Plc, read_overrides
     from ladder_ros.ros.spinning import CallbackThread
@@ -128,7 +131,11 @@ def _serve(node: object, plain: list[str], stop: threading.Event) -> int:
     if has_errors(found):
         return _refuse(render(found))
     for warning in found:
-        node.get_logger().warning(str(warning))  # type: ignore[attr-defined]
+        node.get_logger().warning(str(warning))
+    for text in oddities(arguments):
+        node.get_logger().warning(text)
+    for text in not_meant_for(node.get_fully_qualified_name(), arguments):
+        node.get_logger().warning(text)
     failures: list[Exception] = []
 
     def on_end(error: Exception | None) -> None:
@@ -136,11 +143,13 @@ def _serve(node: object, plain: list[str], stop: threading.Event) -> int:
             failures.append(error)
         stop.set()
 
-    plc = Plc(node, settings)
+    plc = Plc(node, settings, stop.is_set)
     try:
         plc.open()
     except (LadderError, InternalError) as error:
         plc.close()
+        if stop.is_set():
+            return 0
         return _refuse(f'{error}\nplc_node does not start: mend this and start it again')
     callbacks = CallbackThread(node, on_end)
     while not stop.wait(3600.0):

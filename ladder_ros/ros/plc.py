@@ -14,6 +14,7 @@ import sys
 import time
 from typing import Any
 
+from rclpy.clock import Clock, ClockType
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock as ClockMessage
@@ -21,20 +22,23 @@ from rosgraph_msgs.msg import Clock as ClockMessage
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.ros.cell import Cell, Json, no_program
 from ladder_ros.ros.files import Recordings, retain_file
+from ladder_ros.ros.journal import Journal
 from ladder_ros.ros.lifecycle import Lifecycle, Phase
 from ladder_ros.ros.live import error_text, LiveParameters, shown
 from ladder_ros.ros.loading import Prepared
 from ladder_ros.ros.monitor import Monitor, view
 from ladder_ros.ros.parameters import Settings
+from ladder_ros.ros.partners import PERIOD
 from ladder_ros.ros.program_source import first_program, next_program, ProgramFolders
 from ladder_ros.ros.reasons import reason_of
 from ladder_ros.ros.rules import Declaration
-from ladder_ros.ros.services import serve
+from ladder_ros.ros.services import answer, serve
 from ladder_ros.ros.sim_clock import RosTimeClock
 from ladder_ros.ros.spinning import Attention
 from ladder_ros.ros.status import (
     ASKED_FOR,
     ChangePublisher,
+    Counted,
     diagnostic_tasks,
     io_counts,
     LOOK,
@@ -52,11 +56,17 @@ SWITCH_INTERVAL = 0.0005
 class Plc:
     """A ladder program on topics."""
 
-    def __init__(self, node: Any, settings: Settings) -> None:
-        """Make an empty controller on a managed node; :meth:`open` brings it to life."""
+    def __init__(
+        self, node: Any, settings: Settings, ended: Callable[[], bool] = lambda: False,
+    ) -> None:
+        """Make an empty controller on a managed node; :meth:`open` brings it to life.
+
+        ``ended`` says whether the node is about to end: no compiler is waited for then.
+        """
         self._node = node
         self._log = node.get_logger()
         self._settings = settings
+        self._ended = ended
         self._sim_clock = self._follow_clock()
         name = node.get_fully_qualified_name()
         self._retain_file = retain_file(settings.values['retain_file'], name)
@@ -74,7 +84,7 @@ class Plc:
         self._autostart = settings.autostart
         self._record_at_start = settings.values['record_file']
         self._last_error = ''
-        self._last_overruns = 0
+        self._counted = Counted()
         self._lifecycle = Lifecycle(node, {
             'configure': self._configure, 'activate': self._activate,
             'deactivate': self._deactivate, 'cleanup': self._cleanup, 'shutdown': self._shutdown,
@@ -85,8 +95,11 @@ class Plc:
         self._changes = ChangePublisher(node)
         self._shadow = ShadowPublisher(node, self._look)
         self._status = StatusPublisher(
-            node, self.state, self._condition, self._tasks, settings.status_period)
-        serve(node, {
+            node, self.state, self._condition, self._tasks, settings.status_period,
+            Journal(self._log).note)
+        node.create_timer(PERIOD, lambda: self._keep_house(self._cell.bindings.look),
+                          clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._services = serve(node, {
             'reload': self.reload, 'start': self.start, 'stop': self.stop, 'reset': self.reset,
             'preflight': self.preflight, 'test': self.test, 'untest': self.untest,
             'accept': self.accept, 'shadow': self.shadow, 'end_shadow': self.end_shadow,
@@ -118,8 +131,9 @@ class Plc:
             self._lifecycle.request('configure')
         else:
             self._cell.prepare(self._wanted, strict=True)  # to refuse it before anybody waits
+            self._log.info('unconfigured: waiting for the transition configure, or for ~/start')
         self._live.declare(self._declarations())
-        if self._lifecycle.phase is Phase.INACTIVE and settings.autostart:
+        if self._lifecycle.phase is Phase.INACTIVE and settings.autostart and not self._ended():
             self._lifecycle.request('activate')
         self._keep_house()
         self._status.publish()
@@ -137,7 +151,8 @@ class Plc:
             retain_period_s=self._settings.values['retain_period'],
             real_time=self._settings.real_time)
         cell = Cell(self._node, session, self._settings, self._log.warning, self._resolve_topic,
-                    self._ros_time, self._attention.ask)
+                    self._ros_time, self._attention.ask, self._meanwhile,
+                    self._ended)
         cell.require(self._live['change.require'])
         return cell
 
@@ -307,7 +322,10 @@ class Plc:
             raise LadderError.of(
                 'L0508', Location(), request='ending a recording',
                 state=self._cell.session.state.value, expected='call ~/record first')
-        return {**summary.to_json(), 'success': not summary.error}
+        report = summary.to_json()
+        if summary.error:
+            report['error'] = f'the recording {summary.path} broke off: {summary.error}'
+        return {**report, 'success': not summary.error}
 
     def _after_service(self, report: Mapping[str, Any]) -> Json:
         """Tell what has changed, and return what every answer of a service ends with."""
@@ -396,19 +414,23 @@ class Plc:
         return {
             **self._cell.session.status(), 'lifecycle': self._lifecycle.phase.value,
             'last_error': self._last_error, 'stale': stale_inputs(bindings.plan),
-            'incompatible_qos': dict(bindings.mismatches), 'io': io_counts(bindings.plan),
+            'incompatible_qos': dict(bindings.partners.misfits),
+            'rivals': dict(bindings.partners.rivals), 'io': io_counts(bindings.plan),
         }
 
     def _condition(self) -> object:
         """Return what is equal as long as the state is, but for what changes all the time."""
         bindings = self._cell.bindings
         return (self._cell.session.condition(), self._lifecycle.phase, self._last_error,
-                stale_inputs(bindings.plan), dict(bindings.mismatches))
+                stale_inputs(bindings.plan), dict(bindings.partners.misfits),
+                dict(bindings.partners.rivals))
 
     def _tasks(self) -> Callable[[], list[Any]]:
-        before, self._last_overruns = self._last_overruns, self._cell.session.statistics.overruns
-        return lambda: diagnostic_tasks(
-            self._node.get_name(), self.state(), self._cell.bindings.plan, before)
+        statistics = self._cell.session.statistics
+        before, self._counted = self._counted, Counted(
+            scans=statistics.scans, overruns=statistics.overruns)
+        name = self._node.get_fully_qualified_name().lstrip('/')
+        return lambda: diagnostic_tasks(name, self.state(), self._cell.bindings.plan, before)
 
     def _note_error(self, error: Exception) -> None:
         text = error_text(error)
@@ -426,6 +448,11 @@ class Plc:
             f'program {prepared.loaded.name} ({prepared.path}, '
             f'{prepared.loaded.source_hash[:12]}): {len(prepared.io_map.inputs)} inputs, '
             f'{len(prepared.io_map.outputs)} outputs')
+
+    def _meanwhile(self) -> None:
+        """Stop when asked to, and go on telling, while a program is compiled."""
+        answer(self._services['stop'])
+        self._status.beat()
 
     # What happened in the scan thread
 

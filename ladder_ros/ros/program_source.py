@@ -83,6 +83,9 @@ def next_program(
     Raises LadderError (L0605) if it is not there or lies outside of the program folders.
     """
     with _named_by(parameter, name):
+        if not name:
+            raise _UnusableError('no program can be unloaded by an empty name; call ~/stop, or '
+                                 'make the transitions deactivate and cleanup')
         path = _from_url(name)
         if path is None:
             path = Path(name)

@@ -31,12 +31,12 @@ def failure(error: Exception) -> dict[str, object]:
 def serve(
     node: Any, actions: Mapping[str, Callable[[], Report]], on_error: Callable[[Exception], None],
     after: Callable[[Report], Report], in_turns: Callable[[Iterator[str]], Iterator[str]],
-) -> None:
+) -> dict[str, Any]:
     """Offer each action as the service ``~/<name>``.
 
     An action returns what it did (with a false ``success`` if that was a refusal), or raises;
     ``on_error`` is told what it raised.  ``after`` gets the report and adds to it.
-    ``in_turns`` is how a long text is made while scans go on.
+    ``in_turns`` is how a long text is made while scans go on.  Returns the services by name.
     """
     def respond(action: Callable[[], Report], response: Any) -> Any:
         report: dict[str, object]
@@ -51,7 +51,18 @@ def serve(
         response.message = ''.join(in_turns(json.JSONEncoder().iterencode(report)))
         return response
 
-    for name, action in actions.items():
-        node.create_service(
+    return {
+        name: node.create_service(
             Trigger, f'~/{name}',
             lambda _request, response, action=action: respond(action, response))
+        for name, action in actions.items()}
+
+
+def answer(service: Any) -> None:
+    """Answer the requests that wait, for while the callback thread is busy with something long."""
+    while True:
+        with service.handle:
+            request, header = service.handle.service_take_request(service.srv_type.Request)
+        if header is None:
+            return
+        service.send_response(service.callback(request, service.srv_type.Response()), header)

@@ -65,8 +65,9 @@ class StatusPublisher:
     def __init__(
         self, node: Any, state: Callable[[], Mapping[str, Any]], condition: Callable[[], object],
         tasks: Callable[[], Callable[[], list[DiagnosticStatus]]], period: float,
+        note: Callable[[Mapping[str, Any]], None],
     ) -> None:
-        """Start publishing; ``state`` is plain JSON data.
+        """Start publishing; ``state`` is plain JSON data, ``note`` gets each that is published.
 
         ``tasks`` begins another second, and returns what makes the diagnostics of the last one.
         ``condition`` returns what is equal as long as the state is not worth publishing.
@@ -75,7 +76,10 @@ class StatusPublisher:
         self._state = state
         self._condition = condition
         self._tasks = tasks
+        self._note = note
         self._last: object = None
+        self._period = period
+        self._at = time.monotonic()
         self._state_publisher = node.create_publisher(String, '~/state', LATCHED)
         self._diagnostics = node.create_publisher(
             DiagnosticArray, '/diagnostics', 10,
@@ -92,12 +96,22 @@ class StatusPublisher:
         """Publish the state."""
         self._last = self._condition()
         self._every_period.reset()
-        self._state_publisher.publish(String(data=json.dumps(dict(self._state()))))
+        self._at = time.monotonic()
+        state = self._state()
+        self._state_publisher.publish(String(data=json.dumps(dict(state))))
+        self._note(state)
 
     def look(self) -> None:
         """Publish the state if something has happened."""
         if self._condition() != self._last:
             self.publish()
+
+    def beat(self) -> None:
+        """Publish both in time although no timer is heard at present."""
+        if time.monotonic() - self._at >= max(self._period, DIAGNOSTICS):
+            self.publish()
+            if not self._every_second.is_canceled():
+                self._publish_diagnostics()
 
     def _attend(self, audience: Any) -> None:
         """Publish diagnostics as long as anybody listens."""
@@ -166,13 +180,21 @@ def task_status(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Counted:
+    """Numbers since the start, at one time."""
+
+    scans: int = -1
+    overruns: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class _Look:
     """What the diagnostics are made from."""
 
     node: str
     state: Mapping[str, Any]
     plan: Plan
-    overruns_before: int
+    before: Counted
 
     def task(
         self, name: str, level: bytes, message: str, values: Mapping[str, object],
@@ -182,13 +204,14 @@ class _Look:
 
 
 def diagnostic_tasks(
-    node_name: str, state: Mapping[str, Any], plan: Plan, overruns_before: int,
+    node_name: str, state: Mapping[str, Any], plan: Plan, before: Counted,
 ) -> list[DiagnosticStatus]:
     """Return the diagnostics: scan, program, I/O, forces, change, retain, and each task.
 
-    ``state`` is what ~/state publishes; ``overruns_before`` those at the last look.
+    ``node_name`` comes first in their names: with its namespace, since all cells share a topic.
+    ``state`` is what ~/state publishes; ``before`` what was counted at the last look.
     """
-    look = _Look(node=node_name, state=state, plan=plan, overruns_before=overruns_before)
+    look = _Look(node=node_name, state=state, plan=plan, before=before)
     return [_scan(look), _program(look), _io(look), _forces(look), _change(look), _retain(look),
             *(_task(look, task) for task in state.get('tasks') or ())]
 
@@ -197,13 +220,16 @@ def _scan(look: _Look) -> DiagnosticStatus:
     state = look.state
     word = state['state']
     overruns = state.get('overruns', 0)
-    late = overruns > look.overruns_before
+    late = overruns > look.before.overruns
+    stands = (word == 'running' and state.get('scans') == look.before.scans
+              and state.get('interval_ms', 0) < DIAGNOSTICS * 1000)
     share = state.get('share') or {}
     return look.task(
         'scan',
-        ERROR if word == 'faulted' else WARN if late or word != 'running' else OK,
-        f'{word}, {overruns - look.overruns_before} overruns in the last second'
-        if late else word,
+        ERROR if word == 'faulted' else WARN if late or stands or word != 'running' else OK,
+        f'{word}, {overruns - look.before.overruns} overruns in the last second'
+        if late else f'{word}, but no scan in the last second (with use_sim_time: /clock stands)'
+        if stands else word,
         {'state': word, 'lifecycle': state.get('lifecycle'),
          'period_ms': state.get('interval_ms'), 'scans': state.get('scans'),
          'overruns': overruns, 'skipped': state.get('skipped'),
@@ -234,8 +260,11 @@ def _io(look: _Look) -> DiagnosticStatus:
     stale = stale_inputs(look.plan)
     counts = io_counts(look.plan)
     mismatches = look.state.get('incompatible_qos') or {}
+    rivals = look.state.get('rivals') or {}
     problems = [f'{len(stale)} inputs are stale' if stale else '',
-                f'{len(mismatches)} topics have incompatible QoS' if mismatches else '',
+                f'{len(mismatches)} topics have another type or QoS on the other side'
+                if mismatches else '',
+                f'{len(rivals)} topics or names are used by other nodes as well' if rivals else '',
                 f'{counts["rejected"]} values were not usable' if counts['rejected'] else '',
                 f'{counts["failed"]} messages could not be sent' if counts['failed'] else '']
     found = [text for text in problems if text]
@@ -245,7 +274,8 @@ def _io(look: _Look) -> DiagnosticStatus:
          'rejected_inputs': ', '.join(
              f'{name} ({why})' for name, why in rejected_inputs(look.plan).items()),
          'incompatible_qos': ', '.join(f'{topic} ({policy})'
-                                       for topic, policy in mismatches.items())})
+                                       for topic, policy in mismatches.items()),
+         'rivals': ', '.join(f'{topic} ({names})' for topic, names in rivals.items())})
 
 
 def _forces(look: _Look) -> DiagnosticStatus:
@@ -275,8 +305,9 @@ def _retain(look: _Look) -> DiagnosticStatus:
     retain = look.state.get('retain') or {}
     error = retain.get('error')
     return look.task(
-        'retain', ERROR if error else OK,
-        str(error) if error else f'saved {retain["saved"]}' if retain.get('saved')
+        'retain', ERROR if error else WARN if retain.get('from') == 'previous' else OK,
+        str(error) if error else 'the values saved last were damaged, those before were taken'
+        if retain.get('from') == 'previous' else f'saved {retain["saved"]}' if retain.get('saved')
         else 'nothing is saved', retain)
 
 

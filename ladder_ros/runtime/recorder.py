@@ -76,6 +76,11 @@ class TraceRecorder:
         self._thread = threading.Thread(target=self._run, name='ladder_record', daemon=True)
         self._thread.start()
 
+    @property
+    def error(self) -> str:
+        """Why no more is written, or empty."""
+        return self._error
+
     # In the scan thread
 
     def before(self, cycle: ScanCycle) -> None:

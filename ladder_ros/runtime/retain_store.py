@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+import fcntl
 import hashlib
 import json
 import os
@@ -24,6 +25,8 @@ VERSION = 1
 MAX_BYTES = 64 * 1024 * 1024
 _MAGIC = 'ladder_ros-retained'
 PREVIOUS = '.previous'
+DAMAGED = '.damaged'
+LOCK = '.lock'
 _NEW = '.new'
 
 
@@ -36,6 +39,39 @@ class Retained:
     saved: str
     values: Mapping[str, tuple[str, Value]]
     is_previous: bool = False
+
+
+def claim_store(path: str) -> int | None:
+    """Keep other processes from the store until the descriptor that is returned is closed.
+
+    None if there is nothing to claim: no folder that could be written to, no locks on its disk.
+    Raises LadderError (L0524) if another one has it.
+    """
+    try:
+        descriptor = os.open(path + LOCK, os.O_WRONLY | os.O_CREAT, 0o644)
+    except OSError:
+        return None  # saving will tell
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(descriptor)
+        raise LadderError.of(
+            'L0524', Location(file=path), reason='another process keeps its values there',
+            expected='end the other one, or choose another file for this one (the parameter '
+                     'retain_file of a node, or another name for it)') from None
+    except OSError:
+        os.close(descriptor)
+        return None
+    return descriptor
+
+
+def set_aside(path: str) -> str:
+    """Keep a file that cannot be read from being written over; return its name from now on."""
+    try:
+        os.replace(path, path + DAMAGED)
+    except OSError:
+        return path
+    return path + DAMAGED
 
 
 def save_retained(path: str, retained: Retained) -> None:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+import os
 import threading
 
 from ladder_ros.diagnostics import LadderError
@@ -12,10 +13,12 @@ from ladder_ros.executable import Executable, Slot
 from ladder_ros.model.types import DataType, normalise, Value
 from ladder_ros.runtime.controller import Controller
 from ladder_ros.runtime.retain_store import (
+    claim_store,
     forget_retained,
     load_retained,
     Retained,
     save_retained,
+    set_aside,
 )
 from ladder_ros.runtime.state_plan import widening
 
@@ -38,22 +41,40 @@ class Retention:
         self._last: tuple[Executable, tuple[Value, ...]] | None = None
         self._saved = ''
         self._restored = 0
-        self._source: str | None = None
-        self._error = ''
+        self.source: str | None = None
+        """Where the values were read from: file, or previous if that was damaged."""
+        self._lost = ''
+        self._unsaved = ''
+        self._claimed: int | None = None
+
+    @property
+    def error(self) -> str:
+        """What is wrong: values that cannot be saved, or that were not there; or empty."""
+        return self._unsaved or self._lost
+
+    def claim(self, executable: Executable) -> None:
+        """Make sure that nobody else keeps values there, if the program has any.
+
+        Raises LadderError (L0524): two that write in turns would lose the values of both.
+        """
+        if self._claimed is None and _retained(executable):
+            self._claimed = claim_store(self.path)
 
     def restore(self, executable: Executable) -> None:
         """Give the program that has just been loaded the values that were saved.
 
         By path and type, or by where a variable was; a value also fits a type that can hold it.
-        A store that cannot be read is noted in the status; the values are then the initial ones.
+        A store that cannot be read is noted in the status, and set aside; the values are then the
+        initial ones.
         """
-        self._restored, self._source, self._last = 0, None, None
+        self._restored, self.source, self._last = 0, None, None
+        self._lost = self._unsaved = ''
         try:
             retained = load_retained(self.path)
         except LadderError as error:
-            self._error = error.diagnostics[0].message
+            self._lost = (f'{error.diagnostics[0].message}; variables have started with their '
+                          f'initial values, the file is {set_aside(self.path)}')
             return
-        self._error = ''
         if retained is None:
             return
         known = {path.casefold(): value for path, value in retained.values.items()}
@@ -61,7 +82,7 @@ class Retention:
                   if (value := _find(slot, known)) is not None}
         self._controller.put(values)
         self._restored = len(values)
-        self._source = 'previous' if retained.is_previous else 'file'
+        self.source = 'previous' if retained.is_previous else 'file'
         self._saved = retained.saved
 
     def start(self) -> None:
@@ -79,6 +100,9 @@ class Retention:
             self._thread.join()
             self._thread = None
         self.save()
+        if self._claimed is not None:
+            os.close(self._claimed)
+            self._claimed = None
 
     def hurry(self) -> None:
         """Save soon, in the thread for that.  For any thread."""
@@ -100,28 +124,30 @@ class Retention:
             if program is not executable or self._last == (program, found):
                 return
             try:
+                self.claim(executable)
                 save_retained(self.path, Retained(
                     program=executable.name, hash=executable.source_hash, saved=self._stamp(),
                     values={slot.path: (slot.type.value, value)
                             for slot, value in zip(slots, found, strict=True)}))
             except LadderError as error:
-                self._error = error.diagnostics[0].message
+                self._unsaved = error.diagnostics[0].message
                 return
-            self._last, self._saved, self._error = (program, found), self._stamp(), ''
+            self._last, self._saved, self._unsaved = (program, found), self._stamp(), ''
 
     def forget(self) -> None:
         """Remove what was saved.  Raises LadderError (L0524)."""
         with self._turn:
-            self._last, self._saved, self._restored, self._source = None, '', 0, None
+            self._last, self._saved, self._restored, self.source = None, '', 0, None
+            self._lost = ''
             forget_retained(self.path)
 
     def to_json(self) -> dict[str, object]:
         """Return how it stands as plain JSON data."""
         executable = self._controller.executable
         return {
-            'path': self.path, 'saved': self._saved or None, 'error': self._error or None,
+            'path': self.path, 'saved': self._saved or None, 'error': self.error or None,
             'variables': len(executable.outline.retained) if executable else 0,
-            'restored': self._restored, 'from': self._source}
+            'restored': self._restored, 'from': self.source}
 
     def _run(self) -> None:
         while not self._closing:

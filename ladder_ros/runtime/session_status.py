@@ -50,23 +50,26 @@ def session_status(
         'shadow': shadow.status().to_json() if shadow else None,
         'retain': retention.to_json() if retention else None,
         'recording': trace.path if trace else None,
+        'recording_error': (trace.error or None) if trace else None,
         'listener_error': controller.listener_error or None,
     }
 
 
 def condition(
-    controller: Controller, desk: ChangeDesk, trace: TraceRecorder | None,
+    controller: Controller, desk: ChangeDesk, retention: Retention | None,
+    trace: TraceRecorder | None,
 ) -> object:
     """Return something that is equal as long as the status is, but for what changes all the time.
 
-    That is: counts, times, shares, and what a shadow run or retained values are about.
+    That is: counts, times, shares, and what a shadow run is about, and when values were retained.
     """
     loaded, last, trial, candidate = desk.loaded, desk.last, controller.trial, desk.candidate
     cycle = controller.cycle
     return (
         controller.state, controller.fault, cycle and cycle.runs_as, controller.interval,
         controller.statistics.overruns, controller.refused, controller.forces,
-        _arithmetic_errors(controller), controller.listener_error, trace and trace.path,
+        _arithmetic_errors(controller), controller.listener_error,
+        trace and (trace.path, trace.error), retention and (retention.error, retention.source),
         loaded and (loaded.path, loaded.source_hash, loaded.backend),
         last and (last.kind, last.time, last.report and last.report.gap_ns),
         trial and trial.began, candidate and candidate.source_hash)

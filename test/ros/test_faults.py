@@ -38,7 +38,7 @@ RETAINING = counting('1').replace('name="n"', 'name="n" retain="true"', 1)
 def level(statuses: Any, task: str) -> tuple[bytes, str]:
     """Return level and message of a task in the diagnostics."""
     return next(((status.level, status.message) for status in statuses or ()
-                 if status.name == f'plc_node: {task}'), (b'', ''))
+                 if status.name.endswith(f'/plc_node: {task}')), (b'', ''))
 
 
 def test_node_when_killed_in_mid_cycle_then_it_goes_on_with_its_retained_values(
@@ -184,7 +184,12 @@ while True:
     follows.wait(False)
     until(lambda: client.state()['io']['received'] == 2, 'both messages being counted')
     assert client.state()['io']['rejected'] == 0
+    topics = {f'{name}/a': 'type std_msgs/msg/String', f'{name}/b': 'type std_msgs/msg/String'}
+    client.wait_state(incompatible_qos=topics)
+    assert running.process.output.count('has the type std_msgs/msg/String') == 2
     assert wrong.running and 'took' not in wrong.output
+    wrong.stop()
+    client.wait_state(incompatible_qos={})
 
 
 def test_simulated_time_when_it_jumps_pauses_and_goes_back_then_scans_go_on(plc: Start) -> None:
@@ -433,3 +438,13 @@ def test_parameters_when_the_file_is_of_another_node_then_they_are_not_taken(
     assert list(_settings(path, '/cell/plc_node').io) == ['a']
     path.write_text(path.read_text(encoding='utf-8').replace('/**', 'other'), encoding='utf-8')
     assert not _settings(path, '/cell/plc_node').io
+
+
+def test_simulated_time_when_nobody_publishes_it_then_diagnostics_say_that_nothing_is_scanned(
+        plc: Start) -> None:
+    from diagnostic_msgs.msg import DiagnosticArray
+
+    running = plc(COPY, use_sim_time=True)
+    reports = running.client.listen('/diagnostics', DiagnosticArray, field='status')
+    until(lambda: 'no scan in the last second' in level(reports.last(), 'scan')[1], 'a warning')
+    assert level(reports.last(), 'scan')[0] == b'\1'

@@ -117,6 +117,8 @@ def test_parameter_when_it_is_written_as_another_type_then_what_it_means_counts(
         assert client.set_parameter('change.timeout', 45).successful  # ros2 param set ... 45
         assert repr(client.get_parameter('change.timeout')) == '45.0'
         assert client.set_parameter('forces', ['b=TRUE']).successful
+        assert client.set_parameter('forces', 'b=FALSE').successful  # ... forces b=FALSE
+        assert client.get_parameter('forces') == ['b=FALSE']
         assert client.set_parameter('forces', []).successful  # ros2 param set ... []
         client.wait_state(forces={})
         for value in (0, True, '45'):
@@ -127,6 +129,7 @@ def test_parameter_when_it_is_written_as_another_type_then_what_it_means_counts(
 REFUSED: list[tuple[str, Any, list[str]]] = [
     ('candidate', 'missing.xml', ['parameter candidate: error L0605', 'missing.xml']),
     ('candidate', 'file://far/a.xml', ['parameter candidate: error L0605', 'file:///']),
+    ('program', '', ['parameter program: error L0605', 'deactivate and cleanup']),
     ('program', 'missing.xml', ['parameter program: error L0605', 'missing.xml']),
     ('forces', ['nothing=1'], ['parameter forces: error L0502', 'nothing']),
     ('forces', ['b'], ['parameter forces: error L0604', 'name=value']),

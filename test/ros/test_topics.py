@@ -246,7 +246,7 @@ def test_diagnostics_when_running_then_scan_program_and_io_are_there(plc: Start)
     reports = running.client.listen('/diagnostics', DiagnosticArray, field='status')
     statuses = until(reports.last, 'diagnostics')
     assert [status.name for status in statuses] == [
-        f'plc_node: {task}' for task in (
+        f'{running.namespace[1:]}/plc_node: {task}' for task in (
             'scan', 'program', 'I/O', 'forces', 'change', 'retain', 'task main')]
     assert {status.level for status in statuses} == {b'\0'}
     values = {pair.key: pair.value for status in statuses for pair in status.values}
