@@ -136,7 +136,7 @@ def report_unknown(variable: VariableExpression, lowering: Lowering) -> Wrong:
         lowering.report('L0203', variable.location, f'it is declared with the type {type_}, which '
                         'is not in the file', name=variable.name,
                         help='declare the type, or give the variable another one'
-                        + suggestion(type_, (*types, *CATALOGUE)))
+                        + did_you_mean(type_, (*types, *CATALOGUE)))
         return Wrong()
     if variable.name.upper() in ('EN', 'ENO'):
         lowering.report('L0203', variable.location, name=variable.name, help=(
