@@ -19,7 +19,7 @@ from typing_extensions import assert_never
 
 from ladder_ros.compiler.il import Call, Instruction, Op
 from ladder_ros.compiler.lowering import Lowering
-from ladder_ros.compiler.st_calls import bind, Bound, Slotted, user_call
+from ladder_ros.compiler.st_calls import bind, Bound, S, Slotted, user_call, with_durations
 from ladder_ros.compiler.st_places import (
     described,
     find_place,
@@ -29,6 +29,7 @@ from ladder_ros.compiler.st_places import (
     Wrong,
 )
 from ladder_ros.compiler.st_values import (
+    folded,
     joined_type,
     literal_type,
     Number,
@@ -44,6 +45,7 @@ from ladder_ros.model.catalogue import BlockKind, CATALOGUE, Generic
 from ladder_ros.model.program import CallKind, Composite
 from ladder_ros.model.st import (
     BinaryExpression,
+    called_names,
     CallExpression,
     Expression,
     LiteralExpression,
@@ -205,8 +207,9 @@ class ExpressionEmitter:
         if isinstance(value, Number):
             literal = value.literal(expected or value.natural())
             if literal is None:
+                written = str(value.value) if '...' in text else text
                 self.lowering.report(
-                    'L0205', location, text, type=expected, reason=_why_not(text, expected))
+                    'L0205', location, text, type=expected, reason=_why_not(written, expected))
                 raise Wrong
             return literal
         if expected is None or value.type is expected:
@@ -376,11 +379,7 @@ class ExpressionEmitter:
             return self._logic(left, node)
         if isinstance(left, OnStack):
             left = self.coerce(left, DataType.BOOL, node.location, described(node.left))
-        if isinstance(left, Element):
-            # What follows may change the array, and code between reads at another time.
-            result = self.lowering.temporary(left.type)
-            self.move(left, result)
-            left = result
+        left = self.settled(left, node.right)
         right = self.value(node.right, expected)
         if isinstance(right, OnStack):
             right = self.coerce(right, DataType.BOOL, node.location, described(node.right))
@@ -416,8 +415,11 @@ class ExpressionEmitter:
         self, bound: Bound, shown_name: str, expected: DataType | None, location: Location,
     ) -> Value:
         """Call a function of the catalogue: find its type, convert its inputs."""
-        bound = _with_durations(bound)
+        bound = with_durations(bound)
         kind = bound.kind
+        number = _folded(bound, expected)
+        if number is not None:
+            return number
         type_ = self._call_type(bound, shown_name, expected, location)
         inputs = []
         for pin_name, value, expression in bound.inputs:
@@ -499,6 +501,20 @@ class ExpressionEmitter:
         self.code.append(Instruction(
             op=Op.FUN, call=Call(name=name, type=type_, inputs=inputs)))
 
+    def settled(self, value: S, later: object) -> S:
+        """Return a value that stays what it is while ``later``, an expression, is evaluated.
+
+        Operands are evaluated from left to right (IEC 61131-3, 7.3.2), and a function may write
+        what stands left of its call.
+        """
+        if isinstance(value, Element) or (isinstance(value, Ref) and any(
+            name in self.lowering.composites for name in called_names(later)
+        )):
+            result = self.lowering.temporary(value.type)
+            self.move(value, result)
+            return result
+        return value
+
     def slotted(self, value: Value, location: Location, text: str) -> Slotted:
         """Return a value that is not on the stack, so that other code may follow."""
         if isinstance(value, OnStack):
@@ -556,21 +572,12 @@ def _compares(node: BinaryExpression) -> bool:
     return node.operator in ('=', '<>', '<', '>', '<=', '>=')
 
 
-def _with_durations(bound: Bound) -> Bound:
-    """Take the row for durations where a TIME is multiplied or divided by a number."""
-    types = [value_type(value) for _, value, _ in bound.inputs]
-    if not bound.kind.time_row or DataType.TIME not in types or len(types) != 2:
-        return bound
-    if types[0] is types[1]:
-        return bound
-    values = list(bound.inputs)
-    if types[1] is DataType.TIME and bound.kind.name == 'MUL':
-        values.reverse()
-    kind = CATALOGUE[bound.kind.time_row]
-    names = [pin.name for pin in kind.data_inputs]
-    return replace(bound, kind=kind, inputs=tuple(
-        (name, value, expression)
-        for name, (_, value, expression) in zip(names, values, strict=True)))
+def _folded(bound: Bound, expected: DataType | None) -> Number | None:
+    """Return the number that a function of nothing but numbers without type is, if it is one."""
+    numbers = [value for _, value, _ in bound.inputs if isinstance(value, Number)]
+    if len(numbers) < len(bound.inputs) or bound.enabled is not None or bound.outputs:
+        return None
+    return folded(bound.kind.name, numbers, expected)
 
 
 def _why_not(text: str, type_: DataType | None) -> str:

@@ -7,11 +7,14 @@ Implicit conversions are those of IEC 61131-3 edition 3, figure 12: nothing is l
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from itertools import pairwise
 import math
+import operator
 import re
+from typing import Any
 
 from ladder_ros.compiler.symbols import Literal, Operand
 from ladder_ros.model.catalogue import Generic
@@ -120,6 +123,38 @@ def joined_type(
         return found
     wider = [type_ for type_ in generic.members if type_ in WIDER[found]]
     return max(wider, key=lambda type_: len(WIDER[type_]), default=None)
+
+
+_EXACT: Mapping[str, Callable[[Any, Any], Any]] = {
+    'ADD': operator.add, 'SUB': operator.sub, 'MUL': operator.mul,
+    'AND': operator.and_, 'OR': operator.or_, 'XOR': operator.xor,
+}
+
+
+def folded(
+    function: str, numbers: Sequence[Number], expected: DataType | None,
+) -> Number | None:
+    """Return what a function makes of numbers without type; None where it is to be computed.
+
+    The result has no type either: ``x > 60 * 1000`` compares with 60000, whatever type would hold
+    the 60.  Dividing integers gives a real number only where one is ``expected``.
+    """
+    values = [number.value for number in numbers]
+    is_real = any(isinstance(value, float) for value in values)
+    try:
+        if function in _EXACT and not (is_real and function in ('AND', 'OR', 'XOR')):
+            result = reduce(_EXACT[function], values)
+        elif function == 'DIV' and (is_real or (expected is not None and expected.is_real)):
+            result = reduce(operator.truediv, values)
+        elif function in ('DIV', 'MOD') and not is_real:
+            dividend, divisor = map(int, values)
+            quotient = abs(dividend) // abs(divisor) * (1 if dividend * divisor > 0 else -1)
+            result = quotient if function == 'DIV' else dividend - quotient * divisor
+        else:
+            return None
+        return Number(value=result) if math.isfinite(result) else None
+    except (OverflowError, ZeroDivisionError):
+        return None
 
 
 _REAL = re.compile(r'[0-9][0-9_]*(?:\.[0-9_]+(?:E[-+]?[0-9]+)?|E[-+]?[0-9]+)$', re.IGNORECASE)
