@@ -37,6 +37,7 @@ from ladder_ros.compiler.st_values import (
     read_literal,
     Value,
     value_type,
+    why_not,
     WIDER,
 )
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target, TRUE
@@ -57,7 +58,6 @@ from ladder_ros.model.types import (
     DataType,
     default_value,
     INTEGER_RANGE,
-    parse_literal,
 )
 
 Code = tuple[Instruction, ...]
@@ -209,7 +209,7 @@ class ExpressionEmitter:
             if literal is None:
                 written = str(value.value) if '...' in text else text
                 self.lowering.report(
-                    'L0205', location, text, type=expected, reason=_why_not(written, expected))
+                    'L0205', location, text, type=expected, reason=why_not(written, expected))
                 raise Wrong
             return literal
         if expected is None or value.type is expected:
@@ -375,7 +375,9 @@ class ExpressionEmitter:
         return value
 
     def _operator(self, left: Value, node: BinaryExpression, expected: DataType | None) -> Value:
-        if node.operator in ('AND', 'OR') and value_type(left) is DataType.BOOL:
+        if node.operator in ('AND_THEN', 'OR_ELSE') or (
+            node.operator in ('AND', 'OR') and value_type(left) is DataType.BOOL
+        ):
             return self._logic(left, node)
         if isinstance(left, OnStack):
             left = self.coerce(left, DataType.BOOL, node.location, described(node.left))
@@ -397,10 +399,23 @@ class ExpressionEmitter:
         self.push(right, node.right.location, described(node.right))
         if len(self.code) == before + 1 and self.code[-1].op in (Op.LD, Op.LDN):
             negation = 'N' if self.code[-1].op is Op.LDN else ''
-            self.code[-1] = replace(self.code[-1], op=Op(node.operator + negation))
-        else:
+            self.code[-1] = replace(self.code[-1], op=Op(node.operator.split('_')[0] + negation))
+        elif node.operator in ('AND', 'OR'):
             self.emit(Op.ANB if node.operator == 'AND' else Op.ORB)
+        else:
+            self._only_if(node.operator == 'AND_THEN', before)
         return _ON_STACK
+
+    def _only_if(self, needed: bool, start: int) -> None:
+        """Let the code from ``start`` on replace the current result, but only if that is so."""
+        result = self.lowering.temporary(DataType.BOOL)
+        self.code[start:start] = [
+            Instruction(op=Op.ST, operand=result),
+            *([] if needed else [Instruction(op=Op.NOT)]), Instruction(op=Op.IF)]
+        self.emit(Op.ST, result)
+        self.emit(Op.DRP)
+        self.emit(Op.FI)
+        self.emit(Op.LD, result)
 
     # -- functions --------------------------------------------------------------------------
 
@@ -578,12 +593,3 @@ def _folded(bound: Bound, expected: DataType | None) -> Number | None:
     if len(numbers) < len(bound.inputs) or bound.enabled is not None or bound.outputs:
         return None
     return folded(bound.kind.name, numbers, expected)
-
-
-def _why_not(text: str, type_: DataType | None) -> str:
-    """Return why a number is no value of a type, with what such a value looks like."""
-    try:
-        parse_literal(text, type_ or DataType.LINT)
-    except ValueError as error:
-        return str(error)
-    return f'{text} is no value of type {type_}'

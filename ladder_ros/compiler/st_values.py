@@ -187,6 +187,15 @@ def read_literal(text: str) -> Literal | Number:
     return Number(value=int(parse_literal(text, wide)))
 
 
+def why_not(text: str, type_: DataType | None) -> str:
+    """Return why a number is no value of a type, with what such a value looks like."""
+    try:
+        parse_literal(text, type_ or DataType.LINT)
+    except ValueError as error:
+        return str(error)
+    return f'{text} is no value of type {type_}'
+
+
 def literal_type(text: str) -> str:
     """Return what a literal claims to be, for messages."""
     prefix, mark, _ = text.upper().partition('#')

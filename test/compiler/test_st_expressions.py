@@ -333,3 +333,19 @@ def test_operands_when_a_function_changes_one_then_they_go_from_left_to_right(
     next_ = pou('next', 'n := n + 1; next := n;', inouts={'n': T.INT}, outputs={'next': T.INT})
     variables = {'x': (T.INT, 2), 'g': Array(bounds=((1, 3),), element=T.INT)}
     assert value_of(expression, T.INT, variables, composites=[next_]) == expected
+
+
+@pytest.mark.parametrize(('expression', 'expected', 'calls'), [
+    ('no AND_THEN more(n)', False, 0), ('yes AND_THEN more(n)', True, 1),
+    ('yes OR_ELSE more(n)', True, 0), ('no OR_ELSE more(n)', True, 1),
+    ('yes AND (no AND_THEN more(n) OR more(n))', True, 1), ('no AND more(n)', False, 1),
+    ('NOT (yes AND_THEN (no OR_ELSE more(n)))', False, 1), ('n <> 0 AND_THEN 1 / n > 0', False, 0),
+])
+def test_and_then_when_the_left_side_decides_then_the_right_one_is_not_evaluated(
+    expression: str, expected: bool, calls: int,
+) -> None:
+    more = pou('more', 'n := n + 1; more := TRUE;', inouts={'n': T.INT}, outputs={'more': T.BOOL})
+    made = program(f'b := {expression};', {
+        'b': T.BOOL, 'no': T.BOOL, 'yes': (T.BOOL, True), 'n': T.INT}, composites=[more])
+    (row,) = run(made)
+    assert (row['b'], row['n'], row['%arithmetic_errors']) == (expected, calls, 0)
