@@ -9,16 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import reduce
+from functools import partial, reduce
 from itertools import pairwise
 import math
 import operator
 import re
-from typing import Any
 
 from ladder_ros.compiler.symbols import Literal, Operand
 from ladder_ros.model.catalogue import Generic
 from ladder_ros.model.types import DataType, INTEGER_RANGE, parse_literal, round_real
+from ladder_ros.source.constants import combined
 
 _T = DataType
 
@@ -125,8 +125,10 @@ def joined_type(
     return max(wider, key=lambda type_: len(WIDER[type_]), default=None)
 
 
-_EXACT: Mapping[str, Callable[[Any, Any], Any]] = {
-    'ADD': operator.add, 'SUB': operator.sub, 'MUL': operator.mul,
+_TELLABLE = 1 << 256
+"""Below this an integer that fits no type can still be told to the user."""
+_ARITHMETIC = {'ADD': '+', 'SUB': '-', 'MUL': '*', 'DIV': '/', 'MOD': 'MOD'}
+_BITWISE: Mapping[str, Callable[[int, int], int]] = {
     'AND': operator.and_, 'OR': operator.or_, 'XOR': operator.xor,
 }
 
@@ -140,21 +142,20 @@ def folded(
     the 60.  Dividing integers gives a real number only where one is ``expected``.
     """
     values = [number.value for number in numbers]
-    is_real = any(isinstance(value, float) for value in values)
+    if function == 'DIV' and expected is not None and expected.is_real:
+        values = [float(value) for value in values]
     try:
-        if function in _EXACT and not (is_real and function in ('AND', 'OR', 'XOR')):
-            result = reduce(_EXACT[function], values)
-        elif function == 'DIV' and (is_real or (expected is not None and expected.is_real)):
-            result = reduce(operator.truediv, values)
-        elif function in ('DIV', 'MOD') and not is_real:
-            dividend, divisor = map(int, values)
-            quotient = abs(dividend) // abs(divisor) * (1 if dividend * divisor > 0 else -1)
-            result = quotient if function == 'DIV' else dividend - quotient * divisor
+        if function in _ARITHMETIC:
+            result = reduce(partial(combined, _ARITHMETIC[function]), values)
         else:
-            return None
-        return Number(value=result) if math.isfinite(result) else None
-    except (OverflowError, ZeroDivisionError):
+            integers = [value for value in values if isinstance(value, int)]
+            if function not in _BITWISE or len(integers) < len(values):
+                return None
+            result = reduce(_BITWISE[function], integers)
+    except ValueError:  # it divides by zero, which is an arithmetic error of the scan
         return None
+    is_told = math.isfinite(result) and (isinstance(result, float) or abs(result) < _TELLABLE)
+    return Number(value=result) if is_told else None
 
 
 _REAL = re.compile(r'[0-9][0-9_]*(?:\.[0-9_]+(?:E[-+]?[0-9]+)?|E[-+]?[0-9]+)$', re.IGNORECASE)
