@@ -54,6 +54,8 @@ the next."""
 COST, JITTER, IN_TIME = 1.15, 1.5, 99.0
 """Targets: cost and p99 of the jitter over the bare node's, percentage of scans in time."""
 JITTER_INPUTS, JITTER_RUNGS = 100, 1000
+LOST = 1000.0
+"""A trip of more milliseconds has lost a packet on its way, which has nothing to do with nodes."""
 MS = 1_000_000
 Row = dict[str, Any]
 
@@ -363,8 +365,12 @@ class Probe:
             self._at = time.perf_counter_ns()
             self._came.set()
 
-    def trip(self, name: str, seconds: float = 2.0) -> float | None:
-        """Return how long one way in and out took, in ms."""
+    def trip(self, name: str, seconds: float = 5.0) -> float | None:
+        """Return how long one way in and out took, in ms; None if it did not end.
+
+        The time is that of a packet that was lost and is sent again: its sender tells what there
+        is every three seconds.
+        """
         wanted = self._wanted[name] = not self._wanted[name]
         self._came.clear()
         begin = time.perf_counter_ns()
@@ -379,11 +385,13 @@ class Probe:
         """
         found: list[float] = []
         end = time.monotonic() + seconds
-        while time.monotonic() < end:
+        while time.monotonic() < end or not found:
             self._begun[name] += 1
             time.sleep(pause + 0.01 * ((self._begun[name] * 0.618034) % 1 - 0.5))
             trip = self.trip(name)
-            if trip is not None:
+            if trip is None:
+                raise SystemExit(f'{name} does not answer')
+            if trip < LOST:
                 found.append(trip)
         return found
 
