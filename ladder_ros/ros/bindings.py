@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass
+import math
 from operator import itemgetter
 import time
 from typing import Any
@@ -47,7 +48,8 @@ def make_qos(endpoint: Endpoint) -> QoSProfile:
     return QoSProfile(
         depth=endpoint.depth,
         reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE)
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+        deadline=Duration(nanoseconds=endpoint.refresh))
 
 
 InputKey = tuple[Endpoint, str]
@@ -69,6 +71,9 @@ class Plan:
         self.publications: dict[Endpoint, Publication] = {}
         self.watched: tuple[Input, ...] = ()
         self.begun = False
+        self.refresh_at: float = 0 if any(
+            point.endpoint.refresh for point in io_map.outputs) else math.inf
+        """The earliest scan time, in ns, at which something is to be published again."""
         self.outputs = len(io_map.outputs)
         """How many variables go out."""
         self.seen: object = NOTHING
@@ -268,9 +273,18 @@ class Bindings:
         if outputs != plan.seen:
             self._publish(plan, result)
             plan.seen = NOTHING if plan.every_scan else outputs
+        if result.now >= plan.refresh_at:
+            self._refresh(plan, result.now)
         for item in plan.watched:
             if item.watch(result.now):
                 self._news()
+
+    def _refresh(self, plan: Plan, now: int) -> None:
+        """Publish again what has not been published for too long."""
+        stamp = self._stamp(plan, now)
+        plan.refresh_at = min(
+            publication.refresh(now, stamp) for publication in plan.publications.values()
+            if publication.endpoint.refresh)
 
     def _publish(self, plan: Plan, result: ScanResult) -> None:
         """Publish what has changed; the first scan of a program begins the age of its inputs."""
@@ -279,7 +293,7 @@ class Bindings:
             self._news()
         stamp = self._stamp(plan, result.now)
         for publication in plan.publications.values():
-            publication.after_scan(result.values, stamp)
+            publication.after_scan(result.values, result.now, stamp)
         if not plan.begun:
             plan.begun = True
             for item in plan.inputs.values():
