@@ -14,7 +14,7 @@ back between two scans without a single entity being made.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 import math
 from operator import itemgetter
@@ -247,15 +247,15 @@ class Bindings:
                         break
                     source.receive(taken[0])
 
-    def look(self) -> None:
-        """Look at the other side of some topics (callback thread)."""
-        entities: dict[Endpoint, Any] = {}
-        for plan in self._plans.values():
-            entities.update((endpoint, source.subscription)
-                            for endpoint, source in plan.sources.items())
-            entities.update((endpoint, publication.channel.publisher)
-                            for endpoint, publication in plan.publications.items())
-        self.partners.look(entities, make_qos)
+    def begin_look(self) -> None:
+        """Begin another round of looks at the other side of the topics (callback thread)."""
+        self.partners.begin([
+            endpoint for plan in self._plans.values()
+            for endpoint in (*plan.sources, *plan.publications)])
+
+    def look(self, in_turns: Callable[[Iterable[Endpoint]], Iterator[Endpoint]]) -> bool:
+        """Look at some topics; say whether there are more (callback thread)."""
+        return self.partners.look(self._entity, make_qos, in_turns)
 
     # After each scan (scan thread)
 
@@ -396,6 +396,15 @@ class Bindings:
     def _mismatch(self, endpoint: Endpoint, event: Any) -> None:
         self.partners.tell(
             endpoint, str(qos_policy_name_from_kind(event.last_policy_kind)).lower())
+
+    def _entity(self, endpoint: Endpoint) -> Any:
+        """Return the publisher or subscription of an endpoint, None if there is none."""
+        for plan in self._plans.values():
+            if endpoint in plan.sources:
+                return plan.sources[endpoint].subscription
+            if endpoint in plan.publications:
+                return plan.publications[endpoint].channel.publisher
+        return None
 
     def _used(self) -> set[Endpoint]:
         return set[Endpoint]().union(*(plan.entities() for plan in self._plans.values()))
