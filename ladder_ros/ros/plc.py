@@ -22,7 +22,7 @@ from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.ros.cell import Cell, Json, no_program
 from ladder_ros.ros.files import Recordings, retain_file
 from ladder_ros.ros.journal import Journal
-from ladder_ros.ros.lifecycle import Lifecycle, Phase
+from ladder_ros.ros.lifecycle import Lifecycle, orders, Phase, questions
 from ladder_ros.ros.live import error_text, LiveParameters, shown
 from ladder_ros.ros.loading import Prepared
 from ladder_ros.ros.monitor import Monitor, view
@@ -330,9 +330,9 @@ class Plc:
     def _after_service(self, report: Mapping[str, Any]) -> Json:
         """Tell what has changed, and return what every answer of a service ends with."""
         self._keep_house()
-        self._status.publish()
         if report.get('error'):
             self._last_error = str(report['error'])
+        self._status.publish()
         return {'state': self._cell.session.state.value, 'lifecycle': self._lifecycle.phase.value}
 
     # Parameters
@@ -450,8 +450,20 @@ class Plc:
             f'{len(prepared.io_map.outputs)} outputs')
 
     def _meanwhile(self) -> None:
-        """Stop when asked to, and go on telling, while a program is compiled."""
-        answer(self._services['stop'])
+        """Stop and go back when asked to, and go on telling, while a program is compiled.
+
+        Everything else waits.  So does an untest while nothing is on test: it may be meant for
+        the test that is being compiled.  Of the transitions those that lead out of the active
+        state are made: any other may need the compiler, which is at work.
+        """
+        served = [answer(service) for service in (
+            self._services['stop'], *questions(self._node))]
+        if self._cell.session.in_test:
+            served.append(answer(self._services['untest']))
+        if self._lifecycle.phase is Phase.ACTIVE:
+            served.append(answer(orders(self._node)))
+        if any(served):
+            self._status.look()
         self._status.beat()
 
     # What happened in the scan thread
