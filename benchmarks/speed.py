@@ -58,6 +58,8 @@ from ladder_ros.source.read_any import parse_any, read_any  # noqa: E402
 NODE_ROUNDS = 10
 LARGE, LARGE_ROUNDS = 100_000, 7
 """From so many rungs on, what takes minutes is left out."""
+LINEAR = 1.5
+"""A rung of the largest program takes at most so many times as long as one of the smallest."""
 
 
 # -- scans ---------------------------------------------------------------------------------------
@@ -109,6 +111,7 @@ def ready(sizes: Sequence[int]) -> Iterator[Figure]:
     elevator = (ROOT / 'programs' / 'elevator_3_floor.xml').read_bytes()
     first_scan(elevator)
     targets = {1000: 0.3, 10_000: 3.0}
+    each: dict[int, float] = {}
     taken = [first_scan(elevator) for _ in range(7)]
     yield Figure(what='3-floor elevator: file to first scan', value=spread(taken, ' s'),
                  target='0.05 s', met=statistics.median(taken) <= 0.05)
@@ -118,6 +121,11 @@ def ready(sizes: Sequence[int]) -> Iterator[Figure]:
         middle, goal = statistics.median(taken), targets.get(size)
         yield Figure(what=f'{size} rungs: file to first scan', value=f'{middle:.3g} s',
                      target=f'{goal} s' if goal else '', met=middle <= goal if goal else None)
+        each[size] = middle / size
+        if size >= LARGE:
+            growth = each[size] / next(iter(each.values()))
+            yield Figure(what=f'{size} rungs: time a rung, over that of {next(iter(each))}',
+                         value=f'{growth:.2f}x', target=f'{LINEAR:g}x', met=growth <= LINEAR)
         if size < LARGE:
             yield from native_ready(size)
 

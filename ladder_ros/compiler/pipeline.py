@@ -1,8 +1,20 @@
 # Copyright 2026 The ladder_ros developers
 # SPDX-License-Identifier: Apache-2.0
-"""The whole way of a program to what scans.
+"""The whole way of a program, from components to what scans.
 
-program -> instruction list -> slots -> executable
+===================================  =================================================
+components -> connections            ``stages.analyse``: names, then connector analysis
+connections -> AOV graph             ``stages.analyse``, inline composites put in
+AOV graph -> AND/OR tree             ``stages.build_trees``
+AND/OR tree -> instructions          ``stages.code_rungs``, a rung at a time
+instructions -> instruction list     ``program_to_il.lower_program``: linked and verified
+variables -> slots                   ``program_to_il.Work.lay_out``
+instruction list -> executable       :func:`compile_program`; a ``building.Builder`` asks
+                                     one of ``backends`` for scan functions when they are
+                                     needed
+===================================  =================================================
+
+Each stage takes a value and returns a new one; docs/pipeline.md follows a rung through all.
 """
 
 from __future__ import annotations

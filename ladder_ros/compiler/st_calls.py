@@ -11,13 +11,13 @@ function has a hidden instance for each place that calls it, whose variables sta
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
+from typing import Protocol, TypeVar
 
 from ladder_ros.compiler.il import Call, Instruction, Op
 from ladder_ros.compiler.lowering import Lowering
 from ladder_ros.compiler.st_places import Place, shown, Wrong
-from ladder_ros.compiler.st_values import Number, Value
+from ladder_ros.compiler.st_values import Number, Value, value_type
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target, TRUE
 from ladder_ros.diagnostics import did_you_mean, Location
 from ladder_ros.model.catalogue import BASIC_NAMES, BlockKind, CATALOGUE, Pin
@@ -28,6 +28,8 @@ from ladder_ros.model.types import DataType
 
 Slotted = Operand | Number
 """A value that is not on the stack."""
+
+S = TypeVar('S', Operand, Slotted)
 
 
 class Emitter(Protocol):
@@ -50,6 +52,9 @@ class Emitter(Protocol):
 
     def slotted(self, value: Value, location: Location, text: str) -> Slotted:
         """Return a value that is not on the stack."""
+
+    def settled(self, value: S, later: object) -> S:
+        """Return a value that stays what it is while ``later`` is evaluated."""
 
     def coerce(
         self, value: Value, expected: DataType | None, location: Location, text: str,
@@ -97,7 +102,7 @@ def bind(emitter: Emitter, expression: CallExpression) -> Bound:
     enabled: Operand | None = None
     outputs: list[tuple[str, Target]] = []
     place = 0
-    for argument in expression.arguments:
+    for number, argument in enumerate(expression.arguments, start=1):
         if argument.target is not None:
             outputs.append(_function_output(emitter, kind, argument))
             continue
@@ -112,9 +117,10 @@ def bind(emitter: Emitter, expression: CallExpression) -> Bound:
                 'L0221', argument.location, pin=pin.name, name=kind.name)
             raise Wrong
         wanted = pin.type if isinstance(pin.type, DataType) else None
-        value = emitter.value(argument.value, wanted)
-        given[pin.name] = (
-            emitter.slotted(value, argument.location, pin.name), argument.value)
+        value = emitter.slotted(
+            emitter.value(argument.value, wanted), argument.location, pin.name)
+        later = expression.arguments[number:]
+        given[pin.name] = emitter.settled(value, later) if later else value, argument.value
     pins = [pin for pin in kind.inputs_for(given) if pin.name != 'EN']
     for pin in pins:
         if pin.name not in given:
@@ -123,6 +129,23 @@ def bind(emitter: Emitter, expression: CallExpression) -> Bound:
             raise Wrong
     return Bound(kind=kind, inputs=tuple((pin.name, *given[pin.name]) for pin in pins),
                  enabled=enabled, outputs=tuple(outputs))
+
+
+def with_durations(bound: Bound) -> Bound:
+    """Take the row for durations where a TIME is multiplied or divided by a number."""
+    types = [value_type(value) for _, value, _ in bound.inputs]
+    if not bound.kind.time_row or DataType.TIME not in types or len(types) != 2:
+        return bound
+    if types[0] is types[1]:
+        return bound
+    values = list(bound.inputs)
+    if types[1] is DataType.TIME and bound.kind.name == 'MUL':
+        values.reverse()
+    kind = CATALOGUE[bound.kind.time_row]
+    names = [pin.name for pin in kind.data_inputs]
+    return replace(bound, kind=kind, inputs=tuple(
+        (name, value, expression)
+        for name, (_, value, expression) in zip(names, values, strict=True)))
 
 
 def _pin(emitter: Emitter, kind: BlockKind, argument: CallArgument, place: int) -> Pin:

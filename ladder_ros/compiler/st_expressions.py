@@ -19,7 +19,7 @@ from typing_extensions import assert_never
 
 from ladder_ros.compiler.il import Call, Instruction, Op
 from ladder_ros.compiler.lowering import Lowering
-from ladder_ros.compiler.st_calls import bind, Bound, Slotted, user_call
+from ladder_ros.compiler.st_calls import bind, Bound, S, Slotted, user_call, with_durations
 from ladder_ros.compiler.st_places import (
     described,
     find_place,
@@ -29,6 +29,7 @@ from ladder_ros.compiler.st_places import (
     Wrong,
 )
 from ladder_ros.compiler.st_values import (
+    folded,
     joined_type,
     literal_type,
     Number,
@@ -36,6 +37,7 @@ from ladder_ros.compiler.st_values import (
     read_literal,
     Value,
     value_type,
+    why_not,
     WIDER,
 )
 from ladder_ros.compiler.symbols import Element, Literal, Operand, Ref, Target, TRUE
@@ -44,6 +46,7 @@ from ladder_ros.model.catalogue import BlockKind, CATALOGUE, Generic
 from ladder_ros.model.program import CallKind, Composite
 from ladder_ros.model.st import (
     BinaryExpression,
+    called_names,
     CallExpression,
     Expression,
     LiteralExpression,
@@ -55,7 +58,6 @@ from ladder_ros.model.types import (
     DataType,
     default_value,
     INTEGER_RANGE,
-    parse_literal,
 )
 
 Code = tuple[Instruction, ...]
@@ -205,8 +207,9 @@ class ExpressionEmitter:
         if isinstance(value, Number):
             literal = value.literal(expected or value.natural())
             if literal is None:
+                written = str(value.value) if '...' in text else text
                 self.lowering.report(
-                    'L0205', location, text, type=expected, reason=_why_not(text, expected))
+                    'L0205', location, text, type=expected, reason=why_not(written, expected))
                 raise Wrong
             return literal
         if expected is None or value.type is expected:
@@ -372,15 +375,13 @@ class ExpressionEmitter:
         return value
 
     def _operator(self, left: Value, node: BinaryExpression, expected: DataType | None) -> Value:
-        if node.operator in ('AND', 'OR') and value_type(left) is DataType.BOOL:
+        if node.operator in ('AND_THEN', 'OR_ELSE') or (
+            node.operator in ('AND', 'OR') and value_type(left) is DataType.BOOL
+        ):
             return self._logic(left, node)
         if isinstance(left, OnStack):
             left = self.coerce(left, DataType.BOOL, node.location, described(node.left))
-        if isinstance(left, Element):
-            # What follows may change the array, and code between reads at another time.
-            result = self.lowering.temporary(left.type)
-            self.move(left, result)
-            left = result
+        left = self.settled(left, node.right)
         right = self.value(node.right, expected)
         if isinstance(right, OnStack):
             right = self.coerce(right, DataType.BOOL, node.location, described(node.right))
@@ -398,10 +399,23 @@ class ExpressionEmitter:
         self.push(right, node.right.location, described(node.right))
         if len(self.code) == before + 1 and self.code[-1].op in (Op.LD, Op.LDN):
             negation = 'N' if self.code[-1].op is Op.LDN else ''
-            self.code[-1] = replace(self.code[-1], op=Op(node.operator + negation))
-        else:
+            self.code[-1] = replace(self.code[-1], op=Op(node.operator.split('_')[0] + negation))
+        elif node.operator in ('AND', 'OR'):
             self.emit(Op.ANB if node.operator == 'AND' else Op.ORB)
+        else:
+            self._only_if(node.operator == 'AND_THEN', before)
         return _ON_STACK
+
+    def _only_if(self, needed: bool, start: int) -> None:
+        """Let the code from ``start`` on replace the current result, but only if that is so."""
+        result = self.lowering.temporary(DataType.BOOL)
+        self.code[start:start] = [
+            Instruction(op=Op.ST, operand=result),
+            *([] if needed else [Instruction(op=Op.NOT)]), Instruction(op=Op.IF)]
+        self.emit(Op.ST, result)
+        self.emit(Op.DRP)
+        self.emit(Op.FI)
+        self.emit(Op.LD, result)
 
     # -- functions --------------------------------------------------------------------------
 
@@ -416,8 +430,11 @@ class ExpressionEmitter:
         self, bound: Bound, shown_name: str, expected: DataType | None, location: Location,
     ) -> Value:
         """Call a function of the catalogue: find its type, convert its inputs."""
-        bound = _with_durations(bound)
+        bound = with_durations(bound)
         kind = bound.kind
+        number = _folded(bound, expected)
+        if number is not None:
+            return number
         type_ = self._call_type(bound, shown_name, expected, location)
         inputs = []
         for pin_name, value, expression in bound.inputs:
@@ -499,6 +516,20 @@ class ExpressionEmitter:
         self.code.append(Instruction(
             op=Op.FUN, call=Call(name=name, type=type_, inputs=inputs)))
 
+    def settled(self, value: S, later: object) -> S:
+        """Return a value that stays what it is while ``later``, an expression, is evaluated.
+
+        Operands are evaluated from left to right (IEC 61131-3, 7.3.2), and a function may write
+        what stands left of its call.
+        """
+        if isinstance(value, Element) or (isinstance(value, Ref) and any(
+            name in self.lowering.composites for name in called_names(later)
+        )):
+            result = self.lowering.temporary(value.type)
+            self.move(value, result)
+            return result
+        return value
+
     def slotted(self, value: Value, location: Location, text: str) -> Slotted:
         """Return a value that is not on the stack, so that other code may follow."""
         if isinstance(value, OnStack):
@@ -556,27 +587,9 @@ def _compares(node: BinaryExpression) -> bool:
     return node.operator in ('=', '<>', '<', '>', '<=', '>=')
 
 
-def _with_durations(bound: Bound) -> Bound:
-    """Take the row for durations where a TIME is multiplied or divided by a number."""
-    types = [value_type(value) for _, value, _ in bound.inputs]
-    if not bound.kind.time_row or DataType.TIME not in types or len(types) != 2:
-        return bound
-    if types[0] is types[1]:
-        return bound
-    values = list(bound.inputs)
-    if types[1] is DataType.TIME and bound.kind.name == 'MUL':
-        values.reverse()
-    kind = CATALOGUE[bound.kind.time_row]
-    names = [pin.name for pin in kind.data_inputs]
-    return replace(bound, kind=kind, inputs=tuple(
-        (name, value, expression)
-        for name, (_, value, expression) in zip(names, values, strict=True)))
-
-
-def _why_not(text: str, type_: DataType | None) -> str:
-    """Return why a number is no value of a type, with what such a value looks like."""
-    try:
-        parse_literal(text, type_ or DataType.LINT)
-    except ValueError as error:
-        return str(error)
-    return f'{text} is no value of type {type_}'
+def _folded(bound: Bound, expected: DataType | None) -> Number | None:
+    """Return the number that a function of nothing but numbers without type is, if it is one."""
+    numbers = [value for _, value, _ in bound.inputs if isinstance(value, Number)]
+    if len(numbers) < len(bound.inputs) or bound.enabled is not None or bound.outputs:
+        return None
+    return folded(bound.kind.name, numbers, expected)

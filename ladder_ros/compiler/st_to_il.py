@@ -206,7 +206,7 @@ class _Statements:
         outputs: list[CallArgument] = []
         inputs: list[tuple[Target, Operand]] = []
         place = 0
-        for argument in statement.arguments:
+        for number, argument in enumerate(statement.arguments, start=1):
             if argument.target is not None:
                 outputs.append(argument)
                 continue
@@ -220,7 +220,8 @@ class _Statements:
             if pin is None or not isinstance(pin.type, DataType):
                 self._no_pin(callee, kind, argument, str(place))
                 raise Wrong
-            value = emitter.operand(argument.value, pin.type)
+            value = emitter.settled(
+                emitter.operand(argument.value, pin.type), statement.arguments[number:])
             inputs.append((Ref(path=f'{callee.path}.{pin.name}', type=pin.type), value))
         if enabled is not None:
             emitter.emit(Op.LD, enabled)

@@ -7,15 +7,18 @@ Implicit conversions are those of IEC 61131-3 edition 3, figure 12: nothing is l
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial, reduce
 from itertools import pairwise
 import math
+import operator
 import re
 
 from ladder_ros.compiler.symbols import Literal, Operand
 from ladder_ros.model.catalogue import Generic
 from ladder_ros.model.types import DataType, INTEGER_RANGE, parse_literal, round_real
+from ladder_ros.source.constants import combined
 
 _T = DataType
 
@@ -122,6 +125,39 @@ def joined_type(
     return max(wider, key=lambda type_: len(WIDER[type_]), default=None)
 
 
+_TELLABLE = 1 << 256
+"""Below this an integer that fits no type can still be told to the user."""
+_ARITHMETIC = {'ADD': '+', 'SUB': '-', 'MUL': '*', 'DIV': '/', 'MOD': 'MOD'}
+_BITWISE: Mapping[str, Callable[[int, int], int]] = {
+    'AND': operator.and_, 'OR': operator.or_, 'XOR': operator.xor,
+}
+
+
+def folded(
+    function: str, numbers: Sequence[Number], expected: DataType | None,
+) -> Number | None:
+    """Return what a function makes of numbers without type; None where it is to be computed.
+
+    The result has no type either: ``x > 60 * 1000`` compares with 60000, whatever type would hold
+    the 60.  Dividing integers gives a real number only where one is ``expected``.
+    """
+    values = [number.value for number in numbers]
+    if function == 'DIV' and expected is not None and expected.is_real:
+        values = [float(value) for value in values]
+    try:
+        if function in _ARITHMETIC:
+            result = reduce(partial(combined, _ARITHMETIC[function]), values)
+        else:
+            integers = [value for value in values if isinstance(value, int)]
+            if function not in _BITWISE or len(integers) < len(values):
+                return None
+            result = reduce(_BITWISE[function], integers)
+    except ValueError:  # it divides by zero, which is an arithmetic error of the scan
+        return None
+    is_told = math.isfinite(result) and (isinstance(result, float) or abs(result) < _TELLABLE)
+    return Number(value=result) if is_told else None
+
+
 _REAL = re.compile(r'[0-9][0-9_]*(?:\.[0-9_]+(?:E[-+]?[0-9]+)?|E[-+]?[0-9]+)$', re.IGNORECASE)
 _DATES = frozenset({
     'D', 'DATE', 'DT', 'DATE_AND_TIME', 'TOD', 'TIME_OF_DAY', 'LD', 'LDATE', 'LDT', 'LTOD',
@@ -150,6 +186,15 @@ def read_literal(text: str) -> Literal | Number:
         return Number(value=value)
     wide = _T.LINT if len(text) < 19 else _T.ULINT
     return Number(value=int(parse_literal(text, wide)))
+
+
+def why_not(text: str, type_: DataType | None) -> str:
+    """Return why a number is no value of a type, with what such a value looks like."""
+    try:
+        parse_literal(text, type_ or DataType.LINT)
+    except ValueError as error:
+        return str(error)
+    return f'{text} is no value of type {type_}'
 
 
 def literal_type(text: str) -> str:

@@ -55,7 +55,10 @@ class UnaryExpression:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BinaryExpression:
-    """``operator`` in upper case: ``** * / MOD + - < > <= >= = <> AND XOR OR``."""
+    """``operator`` in upper case.
+
+    One of ``** * / MOD + - < > <= >= = <> AND AND_THEN XOR OR OR_ELSE``.
+    """
 
     operator: str
     left: Expression

@@ -500,7 +500,7 @@ class Controller:
                 self._trace.before(cycle)
             if programs.letters:
                 with programs.lock:
-                    programs.deliver()
+                    cycle.image.pending.put(programs.letters, cycle.executable)
             supervisor.scan = self._recorder.scans
             raised = None
             try:

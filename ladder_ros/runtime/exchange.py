@@ -91,7 +91,7 @@ class Exchange:
         if self.cycle is None:
             self.letters.clear()
         else:
-            self.cycle.image.put(self.letters)
+            self.cycle.image.pending.put(self.letters, self.cycle.executable)
 
     def restarted(self) -> None:
         """Note that no scan has run since a start."""

@@ -102,24 +102,29 @@ class PendingInputs:
         return self._single
 
     def put(self, letters: deque[Letter], executable: Executable) -> None:
-        """Write what the letters say, to the slots of this program; there are none left then."""
+        """Write what the letters say, to the slots of this program; there are none left then.
+
+        One thread at a time.
+        """
         with self._lock:
             while letters:
                 its, indices, values, pulses = letters.popleft()
                 if its is not executable or pulses or self._later:
                     self._write(moved_writes(_writes(indices, values, pulses), its, executable))
+                    continue
+                self.some = True
+                if len(indices) == 1:
+                    self._single[indices[0]] = values[0]
                 elif isinstance(indices, range):
                     self._write_row(indices, values)
                 else:
                     self._single.update(zip(indices, values, strict=True))
-                    self.some = True
 
     def _write_row(self, slots: range, values: Sequence[Value]) -> None:
         for index in [index for index in self._single if index in slots]:
             del self._single[index]
         self._rows.pop(slots, None)  # the last one comes last
         self._rows[slots] = values
-        self.some = True
 
     def take(self) -> tuple[Rows, dict[int, Value]]:
         """Return what the next scan is to see, which begins: rows, and what came after them."""
@@ -161,7 +166,6 @@ class ProcessImage:
 
         The state is as a faster form of the program has it, if there is one already.
         """
-        self._executable = executable
         self._slots = executable.slots
         self._make_state = form.make_state if form is not None else executable.make_state
         self.state = self._make_state(executable.outline.initial)
@@ -188,13 +192,6 @@ class ProcessImage:
         self.pending.write([
             (index, normalise(value, types.get(index) or self._type(index)), catch_pulse)
             for index, value, catch_pulse in values])
-
-    def put(self, letters: deque[Letter]) -> None:
-        """Do what :meth:`write` does with the values of letters; there are none left then.
-
-        One thread at a time.
-        """
-        self.pending.put(letters, self._executable)
 
     def _type(self, index: int) -> DataType:
         """Return the type of a slot, and keep it: slots may be read from afar."""

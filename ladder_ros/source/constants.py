@@ -60,7 +60,7 @@ def _fold(expression: Expression, constants: Mapping[str, Value]) -> Number:
             value = _fold(inner, constants)
             return -value if sign == '-' else value
         case BinaryExpression(operator=operator, left=left, right=right):
-            value = _combined(operator, _fold(left, constants), _fold(right, constants))
+            value = combined(operator, _fold(left, constants), _fold(right, constants))
             if isinstance(value, int) and abs(value) >= 1 << 64:
                 raise ValueError(f'{value} does not fit any type')
             return value
@@ -83,7 +83,8 @@ def _named(variable: VariableExpression, constants: Mapping[str, Value]) -> Numb
     return value
 
 
-def _combined(operator: str, left: Number, right: Number) -> Number:
+def combined(operator: str, left: Number, right: Number) -> Number:
+    """Return ``left operator right``.  Raises ValueError for an operator without a result."""
     match operator:
         case '+':
             return left + right

@@ -14,6 +14,7 @@ from typing import Any
 from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.model.st import (
     BinaryExpression,
+    CallExpression,
     Expression,
     Field,
     LiteralExpression,
@@ -184,10 +185,18 @@ def _value(at: Location, part: Any) -> Element:
 
 
 def _array_initial(at: Location, parts: list[Any]) -> Element:
-    return _element('arrayValue', at, None, [
-        value for part in parts
-        for value in (part if isinstance(part, list) else [_element(
-            'value', at, None, [_value(at, part)])])])
+    values: list[Element] = []
+    for part in parts:
+        if isinstance(part, list):
+            values += part
+        elif isinstance(part, CallExpression):  # N(0), where a constant says how often
+            if any(argument.name or argument.value is None for argument in part.arguments):
+                raise _odd(at, 'a call')
+            values.append(_element('value', at, {'repetitionValue': part.name}, [
+                _value(at, argument.value) for argument in part.arguments]))
+        else:
+            values.append(_element('value', at, None, [_value(at, part)]))
+    return _element('arrayValue', at, None, values)
 
 
 def _repeated(at: Location, parts: list[Any]) -> list[Element]:

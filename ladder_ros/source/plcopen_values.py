@@ -29,7 +29,7 @@ from ladder_ros.model.types import (
     TIME_RANGE,
     Value,
 )
-from ladder_ros.source.constants import folded
+from ladder_ros.source.constants import folded, whole
 from ladder_ros.source.plcopen_project import child, children
 from ladder_ros.source.xml_tree import Element
 
@@ -179,7 +179,7 @@ def _parts(
                 _parts(inner, field.type, f'{path}.{field.name}', constants, into)
     elif isinstance(type_, Array) and element.tag == 'arrayValue':
         places = product(*(range(low, high + 1) for low, high in type_.bounds))
-        for inner in _repeated(element, len(type_.bounds) > 1):
+        for inner in _repeated(element, len(type_.bounds) > 1, constants):
             place = next(places, None)
             if place is None:
                 raise ValueError('it has more values than the array has elements')
@@ -190,16 +190,19 @@ def _parts(
         into.append((path, scalar(element.attributes.get('value', ''), type_, constants)))
 
 
-def _repeated(element: Element, flat: bool) -> list[Element]:
+def _repeated(
+    element: Element, flat: bool, constants: Mapping[str, Value],
+) -> list[Element]:
     """Return the values of an array; rows in a ``flat`` array of many dimensions are joined."""
     found: list[Element] = []
     for value in children(element, 'value'):
-        count = integer(value.attributes.get('repetitionValue', '1'))
+        count = whole(value.attributes.get('repetitionValue', '1'), constants)
         if count is None or count < 0:
-            raise ValueError('a repetition that is no number')
+            raise ValueError('a repetition that is neither a number nor a constant')
         once: list[Element] = []
         for inner in children(value, 'simpleValue', 'arrayValue', 'structValue'):
-            once += _repeated(inner, flat) if flat and inner.tag == 'arrayValue' else [inner]
+            is_row = flat and inner.tag == 'arrayValue'
+            once += _repeated(inner, flat, constants) if is_row else [inner]
         if len(found) + len(once) * count > LEAF_LIMIT:
             raise ValueError('it has more values than any array has elements')
         found += once * count

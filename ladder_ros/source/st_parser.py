@@ -157,14 +157,11 @@ def _return(at: Location, parts: list[Any]) -> ReturnStatement:
 
 # -- expressions ----------------------------------------------------------------------------
 
-_SAME = {'AND_THEN': 'AND', '&': 'AND', 'OR_ELSE': 'OR'}
-
-
 def _binary(at: Location, parts: list[Any]) -> BinaryExpression:
     left, operator, right = parts
     name = str(operator).upper()
     return BinaryExpression(
-        operator=_SAME.get(name, name), left=left, right=right, location=at)
+        operator='AND' if name == '&' else name, left=left, right=right, location=at)
 
 
 def _unary(at: Location, parts: list[Any]) -> UnaryExpression:

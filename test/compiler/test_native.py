@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 import math
 import random
 
@@ -16,6 +15,7 @@ from support.plants import flat_plant, Plant, program_of, station_plant
 from support.random_rungs import Case, cases, random_case, VALUES
 
 from compiler.agreement import assert_agreement, assert_same, executable, Machine
+from compiler.samples import samples
 from ladder_ros.blocks import FUNCTIONS
 from ladder_ros.compiler import il_to_groups
 from ladder_ros.compiler import native as native_backend
@@ -35,8 +35,6 @@ from ladder_ros.executable import (
     SlotClass,
     Variant,
 )
-from ladder_ros.model.catalogue import CATALOGUE
-from ladder_ros.model.catalogue_kinds import BlockKind, Generic
 from ladder_ros.model.program import Program
 from ladder_ros.model.types import (
     DataType,
@@ -67,36 +65,6 @@ def values(type_: DataType) -> tuple[Value, ...]:
     return tuple(dict.fromkeys(
         v for v in (low, low + 1, -7, -1, 0, 1, 2, 3, 7, 63, 64, 100, high // 3, high - 1, high)
         if low <= v <= high))
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sample:
-    """A function with the types of its inputs and of its result."""
-
-    row: BlockKind
-    type: DataType
-    inputs: tuple[DataType, ...]
-    out: DataType
-
-
-def samples() -> Iterator[Sample]:
-    """Yield every function of the catalogue at every type, but for STRING."""
-    for row in CATALOGUE.values():
-        pins = [pin for pin in row.inputs if pin.name != 'EN']
-        if not row.is_function:
-            continue
-        generic = row.generic
-        for type_ in generic.members if generic is not None else (row.base_type or DataType.BOOL,):
-            inputs = tuple(
-                type_ if isinstance(pin.type, Generic) and pin.tied else
-                DataType.INT if pin.type is Generic.ANY_INT else
-                (DataType.LREAL if 'TRUNC' in row.name else DataType.DINT)
-                if isinstance(pin.type, Generic) else pin.type for pin in pins)
-            out = row.outputs[-1].type
-            if isinstance(out, Generic):
-                out = type_
-            if DataType.STRING not in (*inputs, out):
-                yield Sample(row=row, type=type_, inputs=inputs, out=out)
 
 
 @pytest.mark.usefixtures('processor')

@@ -13,8 +13,8 @@ import re
 import pytest
 from support.plants import flat_plant, Plant, program_of, station_plant
 
+from compiler.samples import samples
 from compiler.test_groups import slots_of
-from compiler.test_native import samples
 from ladder_ros.compiler import llvm_machine
 from ladder_ros.compiler.il import Call, Instruction, InstructionList, Network, Op, Routine
 from ladder_ros.compiler.native import emit_native

@@ -8,8 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 import pytest
 
-from compiler.structured_text import errors_of, program, run, value_of
+from compiler.structured_text import errors_of, pou, program, run, value_of
+from ladder_ros.compiler.pipeline import compile_program
 from ladder_ros.compiler.st_values import common_type, WIDER
+from ladder_ros.diagnostics import LadderError
 from ladder_ros.model.derived import Array, Structure, StructureField, Type
 from ladder_ros.model.types import DataType, Value, wrap_integer
 
@@ -29,6 +31,12 @@ POINT = Structure(name='Point', fields=(
     ('-2.0 ** 2', T.REAL, 4.0),
     ('2 ** 3', T.REAL, 8.0),
     ('60 * 1000', T.DINT, 60000),  # numbers alone have the type of what they are assigned to
+    ('SINT#1 + (100 + 100 - 150)', T.SINT, 51),
+    ('(100 + 100) / 2', T.SINT, 100),
+    ('-7 / 2 * 2 + -7 MOD 2', T.INT, -7),
+    ('1 / 4', T.REAL, 0.25),
+    ('BYTE#16#FF = (16#F0 OR 16#0F)', T.BOOL, True),
+    ('1 / 0', T.INT, 0),
     ('16#FF', T.BYTE, 255),
     ('2#101 OR 16#F0', T.BYTE, 0xF5),
     ('NOT 16#0F', T.BYTE, None),
@@ -295,3 +303,49 @@ def test_expression_when_random_then_as_python_computes_it(
     row = run(made)[-1]
     assert row['n'] == oracle(number, {**names, 'p': p, 'q': q})
     assert row['r'] == oracle(condition, {**names, 'p': p, 'q': q})
+
+
+@pytest.mark.parametrize(('comparison', 'expected'), [
+    ('d > 60 * 1000', False), ('i > 60 * 1000', False), ('d < 40000 - 10000 * 4 + 1', True),
+    ('u = 200 * 200 - 40000', True), ('60 * 1000 > d', True),
+])
+def test_numbers_alone_when_they_are_beyond_an_int_then_they_do_not_wrap(
+    comparison: str, expected: bool,
+) -> None:
+    variables = {'d': T.DINT, 'i': T.INT, 'u': T.ULINT}
+    assert value_of(comparison, T.BOOL, variables) is expected
+
+
+def test_numbers_alone_when_they_make_one_that_does_not_fit_then_it_is_told() -> None:
+    with pytest.raises(LadderError, match='40000') as caught:
+        compile_program(program('i := 200 * 200;', {'i': T.INT}))
+    assert [found.code for found in caught.value.diagnostics] == ['L0205']
+
+
+@pytest.mark.parametrize(('expression', 'expected'), [
+    ('x + next(x)', 2 + 3), ('ADD(x, next(x), x)', 2 + 3 + 3), ('x * next(x) - x', 2 * 3 - 3),
+    ('MAX(-x, next(x))', 3), ('SEL(x < next(x), 0, x)', 3), ('g[1] + next(g[1])', 0 + 1),
+    ('MAX(g[x], next(g[x]))', 1), ('SEL(TRUE, next(x), x)', 3),
+])
+def test_operands_when_a_function_changes_one_then_they_go_from_left_to_right(
+    expression: str, expected: int,
+) -> None:
+    next_ = pou('next', 'n := n + 1; next := n;', inouts={'n': T.INT}, outputs={'next': T.INT})
+    variables = {'x': (T.INT, 2), 'g': Array(bounds=((1, 3),), element=T.INT)}
+    assert value_of(expression, T.INT, variables, composites=[next_]) == expected
+
+
+@pytest.mark.parametrize(('expression', 'expected', 'calls'), [
+    ('no AND_THEN more(n)', False, 0), ('yes AND_THEN more(n)', True, 1),
+    ('yes OR_ELSE more(n)', True, 0), ('no OR_ELSE more(n)', True, 1),
+    ('yes AND (no AND_THEN more(n) OR more(n))', True, 1), ('no AND more(n)', False, 1),
+    ('NOT (yes AND_THEN (no OR_ELSE more(n)))', False, 1), ('n <> 0 AND_THEN 1 / n > 0', False, 0),
+])
+def test_and_then_when_the_left_side_decides_then_the_right_one_is_not_evaluated(
+    expression: str, expected: bool, calls: int,
+) -> None:
+    more = pou('more', 'n := n + 1; more := TRUE;', inouts={'n': T.INT}, outputs={'more': T.BOOL})
+    made = program(f'b := {expression};', {
+        'b': T.BOOL, 'no': T.BOOL, 'yes': (T.BOOL, True), 'n': T.INT}, composites=[more])
+    (row,) = run(made)
+    assert (row['b'], row['n'], row['%arithmetic_errors']) == (expected, calls, 0)

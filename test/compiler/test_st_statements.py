@@ -422,3 +422,10 @@ def test_call_when_the_type_of_the_instance_is_unknown_then_that_is_said() -> No
         run(program('t(IN := TRUE);', {}, blocks={'t': 'TOON'}))
     assert 'declared with the type TOON, which is not in the file' in str(caught.value)
     assert 'did you mean TON?' in str(caught.value)
+
+
+def test_inputs_of_a_block_when_a_function_changes_one_then_they_go_from_left_to_right() -> None:
+    next_ = pou('next', 'n := n + 1; next := n;', inouts={'n': T.INT}, outputs={'next': T.INT})
+    made = program('c(R := b, PV := n, LD := next(n) > 0);', {'b': T.BOOL, 'n': (T.INT, 2)},
+                   blocks={'c': 'CTUD'}, composites=[next_])
+    assert run(made)[-1]['c.PV'] == 2

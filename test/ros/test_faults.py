@@ -254,12 +254,16 @@ rclpy.spin(node)
 
 
 ENDLESS = project(
+    '<pou name="Long" pouType="function"><interface><returnType><DINT/></returnType><localVars>'
+    + variable('j', '<DINT/>') + '</localVars></interface><body>'
+    '<ST><p xmlns="http://www.w3.org/1999/xhtml">'
+    'FOR j := 1 TO 900000 DO Long := j; END_FOR;</p></ST></body></pou>'
     '<pou name="P" pouType="program"><interface><localVars>'
     + variable('go', attributes='address="%IX0.0"') + variable('q', attributes='address="%QX0.0"')
-    + variable('i', '<DINT/>') + variable('j', '<DINT/>')
-    + '</localVars></interface><body><ST><p xmlns="http://www.w3.org/1999/xhtml">'
-    'q := TRUE; IF go THEN FOR i := 1 TO 900000 DO FOR j := 1 TO 900000 DO q := TRUE; END_FOR; '
-    'END_FOR; END_IF;</p></ST></body></pou>').decode()
+    + variable('i', '<DINT/>') + '</localVars></interface><body>'
+    '<ST><p xmlns="http://www.w3.org/1999/xhtml">'
+    'q := TRUE; IF go THEN FOR i := 1 TO 900000 DO i := i + Long() * 0; END_FOR; END_IF;'
+    '</p></ST></body></pou>').decode()
 
 
 def test_program_when_a_scan_never_ends_then_outputs_become_safe_and_a_reset_helps(

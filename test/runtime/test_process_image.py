@@ -44,7 +44,7 @@ def scanned(
         for slots, values, pulses in between:
             ready: Sequence[int] = slots if in_rows else list(slots)
             letters: deque[Letter] = deque([(PROGRAM, ready, values, frozenset(pulses))])
-            image.put(letters)
+            image.pending.put(letters, PROGRAM)
         if image.pending.some:
             image.freeze()
             found.append((list(image.state), dict(image.taken())))
@@ -68,7 +68,7 @@ def test_rows_when_written_then_all_scans_are_as_if_each_slot_came_alone(
 
 def test_rows_when_pending_then_another_program_of_the_same_variables_gets_them() -> None:
     image = ProcessImage(PROGRAM)
-    image.put(deque([(PROGRAM, range(4), [True] * 4, ())]))
+    image.pending.put(deque([(PROGRAM, range(4), [True] * 4, ())]), PROGRAM)
     moved = image.pending.moved({2: 1, 3: 5})
     rows, single = moved.take()
     assert (rows, single) == ({}, {1: True, 5: True})

@@ -258,6 +258,27 @@ def test_type_when_it_names_constants_then_they_are_numbers(declaration: str, ty
     assert type_name(of_constants(declaration).type) == type_
 
 
+@pytest.mark.parametrize(('values', 'expected'), [
+    ('N(7), 1', (7, 7, 7, 1)), ('1, N(G)', (1, 3, 3, 3)), ('G(1), 4', (1, 1, 1, 4)),
+])
+def test_array_value_when_a_constant_is_the_count_then_it_is_repeated(
+    values: str, expected: tuple[int, ...],
+) -> None:
+    initial = of_constants(f'v : ARRAY[0..N] OF INT := [{values}];').initial
+    assert initial == tuple((f'[{place}]', value) for place, value in enumerate(expected))
+
+
+@pytest.mark.parametrize(('values', 'code'), [
+    ('M(1)', 'L0136'), ('X(1)', 'L0136'), ('N(a := 1)', 'L0120'), ('N(a => b)', 'L0120'),
+])
+def test_array_value_when_its_count_is_no_integer_constant_then_it_is_refused(
+    values: str, code: str,
+) -> None:
+    with pytest.raises(LadderError) as caught:
+        of_constants(f'v : ARRAY[0..N] OF INT := [{values}];')
+    assert caught.value.diagnostics[0].code == code
+
+
 @pytest.mark.parametrize(('declaration', 'value'), [
     ('v : INT := N2 + 1;', 6), ('v : INT := -N;', -3), ('v : DINT := 7 / -2;', -3),
     ('v : INT := -7 MOD N;', -1), ('v : REAL := 2 * X + 1;', 4.0), ('v : WORD := 16#F0 + N;', 243),

@@ -43,7 +43,7 @@ from ladder_ros.source.st_text import MAX_CHAIN, MAX_NESTING, MAX_TEXT
     ('NOT NOT a', '(NOT (NOT a))'),
     ('(a OR b) AND c', '((a OR b) AND c)'),
     ('a - b - c', '((a - b) - c)'),
-    ('a and_then b or_else c', '((a AND b) OR c)'),
+    ('a and_then b or_else c', '((a AND_THEN b) OR_ELSE c)'),
 ])
 def test_expression_when_operators_mix_then_precedence_is_the_standards(
     text: str, understood: str,
