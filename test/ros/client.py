@@ -132,22 +132,27 @@ def held_compiler(node: int) -> Iterator[Callable[[], None]]:
     held: list[int] = []
     ended = threading.Event()
 
-    def hold() -> None:
-        while not ended.wait(0.001):
-            if found := children(node):
-                held.append(found[0])
-                os.kill(found[0], signal.SIGSTOP)
-                return
+    def hold() -> bool:
+        for found in children(node)[:1]:
+            held.append(found)
+            os.kill(found, signal.SIGSTOP)
+        return bool(held)
+
+    def wait_for_it() -> None:
+        while not ended.wait(0.001) and not hold():
+            pass
 
     def go_on() -> None:
         ended.set()
-        thread.join()
+        if thread.ident is not None:
+            thread.join()
         while held:
             with suppress(ProcessLookupError):  # it may have been ended with its node
                 os.kill(held.pop(), signal.SIGCONT)
 
-    thread = threading.Thread(target=hold)
-    thread.start()
+    thread = threading.Thread(target=wait_for_it)
+    if not hold():
+        thread.start()
     try:
         yield go_on
     finally:
