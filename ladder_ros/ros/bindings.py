@@ -14,8 +14,9 @@ back between two scans without a single entity being made.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+import math
 from operator import itemgetter
 import time
 from typing import Any
@@ -47,7 +48,8 @@ def make_qos(endpoint: Endpoint) -> QoSProfile:
     return QoSProfile(
         depth=endpoint.depth,
         reliability=ReliabilityPolicy.BEST_EFFORT if best_effort else ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE)
+        durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
+        deadline=Duration(nanoseconds=endpoint.refresh))
 
 
 InputKey = tuple[Endpoint, str]
@@ -69,6 +71,9 @@ class Plan:
         self.publications: dict[Endpoint, Publication] = {}
         self.watched: tuple[Input, ...] = ()
         self.begun = False
+        self.refresh_at: float = 0 if any(
+            point.endpoint.refresh for point in io_map.outputs) else math.inf
+        """The earliest scan time, in ns, at which something is to be published again."""
         self.outputs = len(io_map.outputs)
         """How many variables go out."""
         self.seen: object = NOTHING
@@ -242,15 +247,15 @@ class Bindings:
                         break
                     source.receive(taken[0])
 
-    def look(self) -> None:
-        """Look at the other side of some topics (callback thread)."""
-        entities: dict[Endpoint, Any] = {}
-        for plan in self._plans.values():
-            entities.update((endpoint, source.subscription)
-                            for endpoint, source in plan.sources.items())
-            entities.update((endpoint, publication.channel.publisher)
-                            for endpoint, publication in plan.publications.items())
-        self.partners.look(entities, make_qos)
+    def begin_look(self) -> None:
+        """Begin another round of looks at the other side of the topics (callback thread)."""
+        self.partners.begin([
+            endpoint for plan in self._plans.values()
+            for endpoint in (*plan.sources, *plan.publications)])
+
+    def look(self, in_turns: Callable[[Iterable[Endpoint]], Iterator[Endpoint]]) -> bool:
+        """Look at some topics; say whether there are more (callback thread)."""
+        return self.partners.look(self._entity, make_qos, in_turns)
 
     # After each scan (scan thread)
 
@@ -268,9 +273,18 @@ class Bindings:
         if outputs != plan.seen:
             self._publish(plan, result)
             plan.seen = NOTHING if plan.every_scan else outputs
+        if result.now >= plan.refresh_at:
+            self._refresh(plan, result.now)
         for item in plan.watched:
             if item.watch(result.now):
                 self._news()
+
+    def _refresh(self, plan: Plan, now: int) -> None:
+        """Publish again what has not been published for too long."""
+        stamp = self._stamp(plan, now)
+        plan.refresh_at = min(
+            publication.refresh(now, stamp) for publication in plan.publications.values()
+            if publication.endpoint.refresh)
 
     def _publish(self, plan: Plan, result: ScanResult) -> None:
         """Publish what has changed; the first scan of a program begins the age of its inputs."""
@@ -279,7 +293,7 @@ class Bindings:
             self._news()
         stamp = self._stamp(plan, result.now)
         for publication in plan.publications.values():
-            publication.after_scan(result.values, stamp)
+            publication.after_scan(result.values, result.now, stamp)
         if not plan.begun:
             plan.begun = True
             for item in plan.inputs.values():
@@ -382,6 +396,15 @@ class Bindings:
     def _mismatch(self, endpoint: Endpoint, event: Any) -> None:
         self.partners.tell(
             endpoint, str(qos_policy_name_from_kind(event.last_policy_kind)).lower())
+
+    def _entity(self, endpoint: Endpoint) -> Any:
+        """Return the publisher or subscription of an endpoint, None if there is none."""
+        for plan in self._plans.values():
+            if endpoint in plan.sources:
+                return plan.sources[endpoint].subscription
+            if endpoint in plan.publications:
+                return plan.publications[endpoint].channel.publisher
+        return None
 
     def _used(self) -> set[Endpoint]:
         return set[Endpoint]().union(*(plan.entities() for plan in self._plans.values()))

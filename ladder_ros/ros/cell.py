@@ -222,6 +222,7 @@ class Cell:
 
     def close(self) -> None:
         """Stop for good, and leave the safe values of the outputs behind."""
+        self.loader.close()
         self.session.close()
         self.bindings.publish_safe()
         self.bindings.wait_for_delivery()

@@ -23,7 +23,8 @@ from ladder_ros.ros.io_points import Endpoint
 
 _INPUT_KEYS = frozenset({
     'timeout', 'fallback', 'stale', 'catch_pulse', 'above', 'below', 'hysteresis'})
-_OUTPUT_KEYS = frozenset({'publish', 'safe', 'frame_id', 'true_value', 'false_value'})
+_OUTPUT_KEYS = frozenset({
+    'publish', 'refresh', 'safe', 'frame_id', 'true_value', 'false_value'})
 _BOOL_KEYS = {
     'catch_pulse': 'has pulses', 'bit': 'is one bit', 'above': 'is TRUE from a number on',
     'below': 'is TRUE from a number on', 'hysteresis': 'is TRUE from a number on',

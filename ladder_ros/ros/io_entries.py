@@ -32,6 +32,9 @@ _QOS = Rule(name='qos', kind=str, default='default', choices=QOS_NAMES, descript
     'latched: an input also gets the last message sent before it started.'))
 _PUBLISH = Rule(name='publish', kind=str, default='change', choices=PUBLISH_NAMES, description=(
     'Outputs: publish when the value changes, or after every scan.'))
+_REFRESH = Rule(name='refresh', kind=float, default=0.0, low=0.0, high=86400.0, description=(
+    'Outputs: seconds after which the message is published again after the next scan, although '
+    'nothing has changed; 0: never.'))
 _TIMEOUT = Rule(name='timeout', kind=float, default=0.0, low=0.0, high=86400.0, description=(
     'Inputs: seconds without a message after which the input is stale; 0: never.'))
 _FRAME = Rule(name='frame_id', kind=str, default='', description=(
@@ -46,7 +49,7 @@ IO_RULES: tuple[Rule, ...] = (
         'The field of the message, for example linear.x or position[2]. Default: data.')),
     Rule(name='bit', kind=int, default=None, low=0, high=64 * (MAX_INDEX + 1) - 1, description=(
         'BOOL: one bit of a field that is a whole number or an array of them, least first.')),
-    _QOS, _PUBLISH, _FRAME, _TIMEOUT,
+    _QOS, _PUBLISH, _REFRESH, _FRAME, _TIMEOUT,
     Rule(name='fallback', kind=object, default=None, description=(
         'Inputs: the value while the input is stale. Default: the last value received.')),
     Rule(name='stale', kind=str, default='', description=(
@@ -83,17 +86,18 @@ PACKED_RULES: tuple[Rule, ...] = (
         'The field that holds them all: an array, or with bits a whole number.')),
     Rule(name='unit', kind=str, default='bit', choices=UNIT_NAMES, description=(
         'What each variable has of it: one bit, counted through the array, or one element.')),
-    _QOS, _PUBLISH, _FRAME, _TIMEOUT,
+    _QOS, _PUBLISH, _REFRESH, _FRAME, _TIMEOUT,
 )
 """The keys of a list of packed variables, ``io_packed.<name>.<key>``."""
 
-_MESSAGE_KEYS = frozenset({'topic', 'type', 'field', 'bit', 'qos', 'publish', 'frame_id'})
+_MESSAGE_KEYS = frozenset({
+    'topic', 'type', 'field', 'bit', 'qos', 'publish', 'refresh', 'frame_id'})
 """What a list says of its variables, and their own entries may not."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IoEntry:
-    """What the user says of one variable; fields as in ``IO_RULES``, ``timeout`` in ns.
+    """What the user says of one variable; fields as in ``IO_RULES``, but ``timeout`` in ns.
 
     ``given`` are the keys the user wrote; ``fallback`` and ``safe`` are raw until the variable's
     type is known.  ``packed`` is the list that it is in, and ``listed`` the keys that come from
@@ -110,6 +114,7 @@ class IoEntry:
     bit: int | None = None
     qos: str = 'default'
     publish: str = 'change'
+    refresh: float = 0.0
     frame_id: str = ''
     timeout: int = 0
     fallback: Raw | None = None

@@ -4,13 +4,14 @@
 
 I/O variables are those of class input and output, and those located at %I and %Q.  What the user
 does not map lies on ``~/<name>``.  Entries on one topic are about one message: what one of them
-says of it as a whole (type, qos, publish, frame_id) holds for all.
+says of it as a whole (type, qos, publish, refresh, frame_id) holds for all.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from ladder_ros.diagnostics import (
     Diagnostic,
@@ -21,7 +22,7 @@ from ladder_ros.diagnostics import (
     problem,
 )
 from ladder_ros.executable import Executable, Slot, SlotClass
-from ladder_ros.model.types import DataType, Value
+from ladder_ros.model.types import DataType, NS_PER_S, Value
 from ladder_ros.ros.conversions import Conversion, DEFAULT_MESSAGE
 from ladder_ros.ros.fields import (
     Field,
@@ -261,12 +262,19 @@ class _Resolver:
                 'L0612', (typed or first).declared('type'), type=message, expected=str(error)))
             return None
         deep = any(wish.entry.catch_pulse for wish in wishes)
+        every_scan = self._common('publish', wishes) == 'scan'
+        refresh = self._common('refresh', wishes)
+        if every_scan and refresh:
+            entry = next(wish.entry for wish in wishes if wish.entry.refresh)
+            self.found.append(bad_entry(
+                entry, 'refresh', f'{full_topic} is published after every scan anyway: leave '
+                                  'out refresh, or publish: scan'))
         return _Message(
             endpoint=Endpoint(
                 topic=first.topic, full_topic=full_topic, message=message, output=first.output,
-                qos=self._common('qos', wishes), depth=10 if deep else 1),
-            every_scan=self._common('publish', wishes) == 'scan',
-            frame_id=self._common('frame_id', wishes))
+                qos=self._common('qos', wishes), depth=10 if deep else 1,
+                refresh=round(refresh * NS_PER_S)),
+            every_scan=every_scan, frame_id=self._common('frame_id', wishes))
 
     def _message_name(self, wish: _Wish) -> str | None:
         if not wish.entry.type:
@@ -278,7 +286,7 @@ class _Resolver:
                 'L0612', wish.entry.place('type'), type=wish.entry.type, expected=str(error)))
             return None
 
-    def _common(self, key: str, wishes: Iterable[_Wish]) -> str:
+    def _common(self, key: str, wishes: Iterable[_Wish]) -> Any:
         """Return what the entries of a topic say under a key, which must be the same."""
         first: IoEntry | None = None
         for wish in wishes:
@@ -290,7 +298,7 @@ class _Resolver:
                 self.found.append(bad_entry(
                     entry, key, f'{first.parameter(key)} says {getattr(first, key)} of the same '
                                 'topic', repr(getattr(entry, key))))
-        return str(getattr(first or IoEntry(variable=''), key))
+        return getattr(first or IoEntry(variable=''), key)
 
     # Fields
 

@@ -18,7 +18,8 @@ class Endpoint:
     """What makes a publisher or subscription: two equal endpoints can be one entity.
 
     ``topic`` is as written, ``full_topic`` after expansion and remapping; ``message`` is the full
-    name of the type; ``depth`` in messages.
+    name of the type; ``depth`` in messages; ``refresh`` in ns, after which an output is published
+    again, 0 for never.
     """
 
     topic: str
@@ -27,6 +28,7 @@ class Endpoint:
     qos: str
     depth: int
     output: bool
+    refresh: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -46,7 +46,7 @@ Report = Callable[[Exception], None]
 def make_node(name: str, **options: Any) -> Any:
     """Return a managed node; raises what the client library raises for a bad name."""
     node = LifecycleNode(name, **options)
-    service = node._service_change_state
+    service = orders(node)
     change_state = service.callback
 
     def guarded(request: Any, response: Any) -> Any:
@@ -61,6 +61,17 @@ def make_node(name: str, **options: Any) -> Any:
 
     service.callback = guarded
     return node
+
+
+def questions(node: Any) -> tuple[Any, ...]:
+    """Return a managed node's services that change nothing."""
+    return (node._service_get_state, node._service_get_available_states,
+            node._service_get_available_transitions, node._service_get_transition_graph)
+
+
+def orders(node: Any) -> Any:
+    """Return a managed node's service that makes transitions."""
+    return node._service_change_state
 
 
 class Lifecycle(ManagedEntity):

@@ -52,8 +52,13 @@ class Loader:
         self._resolve_topic = resolve_topic
         self._polls = tuple(polls)
         self._ended = ended
+        self._closed = False
         self.worker: threading.Thread | None = None
         """The thread that works at present, or did so last."""
+
+    def close(self) -> None:
+        """Wait for nothing any more: what is being made ready has no place to go."""
+        self._closed = True
 
     def prepare(
         self, path: Path, compile_it: Callable[[str], Loaded], *, strict: bool,
@@ -102,6 +107,10 @@ class Loader:
                     expected='start it again')
             for poll in self._polls:
                 poll()
+            if self._closed:
+                raise LadderError.of(
+                    'L0610', Location(file=name), reason='the node has been shut down meanwhile',
+                    expected='start it again')
             if time.monotonic() > deadline:
                 raise LadderError.of(
                     'L0610', Location(file=name),

@@ -14,7 +14,6 @@ import sys
 import time
 from typing import Any
 
-from rclpy.clock import Clock, ClockType
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rosgraph_msgs.msg import Clock as ClockMessage
@@ -23,12 +22,12 @@ from ladder_ros.diagnostics import LadderError, Location
 from ladder_ros.ros.cell import Cell, Json, no_program
 from ladder_ros.ros.files import Recordings, retain_file
 from ladder_ros.ros.journal import Journal
-from ladder_ros.ros.lifecycle import Lifecycle, Phase
+from ladder_ros.ros.lifecycle import Lifecycle, orders, Phase, questions
 from ladder_ros.ros.live import error_text, LiveParameters, shown
 from ladder_ros.ros.loading import Prepared
 from ladder_ros.ros.monitor import Monitor, view
 from ladder_ros.ros.parameters import Settings
-from ladder_ros.ros.partners import PERIOD
+from ladder_ros.ros.partners import Rounds
 from ladder_ros.ros.program_source import first_program, next_program, ProgramFolders
 from ladder_ros.ros.reasons import reason_of
 from ladder_ros.ros.rules import Declaration
@@ -97,8 +96,9 @@ class Plc:
         self._status = StatusPublisher(
             node, self.state, self._condition, self._tasks, settings.status_period,
             Journal(self._log).note)
-        node.create_timer(PERIOD, lambda: self._keep_house(self._cell.bindings.look),
-                          clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._rounds = Rounds(
+            node, lambda: self._keep_house(lambda: self._cell.bindings.begin_look()),
+            self._look_around)
         self._services = serve(node, {
             'reload': self.reload, 'start': self.start, 'stop': self.stop, 'reset': self.reset,
             'preflight': self.preflight, 'test': self.test, 'untest': self.untest,
@@ -330,9 +330,9 @@ class Plc:
     def _after_service(self, report: Mapping[str, Any]) -> Json:
         """Tell what has changed, and return what every answer of a service ends with."""
         self._keep_house()
-        self._status.publish()
         if report.get('error'):
             self._last_error = str(report['error'])
+        self._status.publish()
         return {'state': self._cell.session.state.value, 'lifecycle': self._lifecycle.phase.value}
 
     # Parameters
@@ -450,14 +450,34 @@ class Plc:
             f'{len(prepared.io_map.outputs)} outputs')
 
     def _meanwhile(self) -> None:
-        """Stop when asked to, and go on telling, while a program is compiled."""
-        answer(self._services['stop'])
+        """Stop and go back when asked to, and go on telling, while a program is compiled.
+
+        Everything else waits.  So does an untest while nothing is on test: it may be meant for
+        the test that is being compiled.  Of the transitions those that lead out of the active
+        state are made: any other may need the compiler, which is at work.
+        """
+        served = [answer(service) for service in (
+            self._services['stop'], *questions(self._node))]
+        if self._cell.session.in_test:
+            served.append(answer(self._services['untest']))
+        if self._lifecycle.phase is Phase.ACTIVE:
+            served.append(answer(orders(self._node)))
+        if any(served):
+            self._status.look()
         self._status.beat()
 
     # What happened in the scan thread
 
     def _look(self) -> None:
         self._keep_house(self._status.look)
+
+    def _look_around(self) -> bool:
+        """Look at the other side of some topics; say whether there are more."""
+        try:
+            return self._cell.bindings.look(self._cell.session.in_turns)
+        except Exception as error:
+            self._note_once(error)
+            return False
 
     def _keep_house(self, then: Callable[[], None] = lambda: None) -> None:
         """Do what the scan thread has no time for."""
@@ -467,9 +487,13 @@ class Plc:
             self._follow_fault()
             self._shadow.publish(self._cell.session.shadow_status())
             then()
-        except Exception as error:  # would end the callback thread
-            if error_text(error) != self._last_error:
-                self._note_error(error)
+        except Exception as error:
+            self._note_once(error)
+
+    def _note_once(self, error: Exception) -> None:
+        """Note an error that would end the callback thread if it got out."""
+        if error_text(error) != self._last_error:
+            self._note_error(error)
 
     def _tell_change(self, change: Change) -> None:
         report = change.to_json()

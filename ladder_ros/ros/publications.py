@@ -23,13 +23,15 @@ Place = tuple[Steps, 'int | None']
 class Channel:
     """A publisher with its message; ``sent`` are the values in it, by the field's place.
 
-    ``due``: the message has changed by more than its values and must go out.
+    ``due``: the message has changed by more than its values and must go out.  ``at`` is the scan
+    time in ns of what was published last; nothing has been published in a scan before the first.
     """
 
     publisher: Any
     message: Any
     sent: dict[Place, Value] = field(default_factory=dict)
     due: bool = False
+    at: int | None = None
     count: int = 0
     saturated: int = 0
     failed: int = 0
@@ -107,8 +109,8 @@ class Publication:
         resize(blank, [where], self._make)
         return reader(where)(blank)
 
-    def after_scan(self, values: Sequence[Value], stamp: int) -> None:
-        """Publish if something has changed; ``stamp`` is ROS time in ns."""
+    def after_scan(self, values: Sequence[Value], now: int, stamp: int) -> None:
+        """Publish if something has changed; ``now`` is scan time, ``stamp`` ROS time, in ns."""
         sent = self.channel.sent
         changed = []
         for place, output in self.outputs.items():
@@ -118,7 +120,16 @@ class Publication:
             if value != known and (value == value or known == known):
                 changed.append((output, value))
         if changed or self.every_scan or self.channel.due:
+            self.channel.at = now
             self._send(changed, stamp)
+
+    def refresh(self, now: int, stamp: int) -> int:
+        """Publish again what was published too long ago; return the time of the next look."""
+        channel, limit = self.channel, self.endpoint.refresh
+        if channel.at is None or now - channel.at >= limit:
+            channel.at = now
+            self._send((), stamp)
+        return channel.at + limit
 
     def publish_safe(self, stamp: int) -> None:
         """Publish the safe values if they are not what was published last."""

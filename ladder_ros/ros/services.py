@@ -58,11 +58,14 @@ def serve(
         for name, action in actions.items()}
 
 
-def answer(service: Any) -> None:
-    """Answer the requests that wait, for while the callback thread is busy with something long."""
-    while True:
-        with service.handle:
-            request, header = service.handle.service_take_request(service.srv_type.Request)
-        if header is None:
-            return
-        service.send_response(service.callback(request, service.srv_type.Response()), header)
+def answer(service: Any) -> bool:
+    """Answer a request if one waits, for while the callback thread is busy with something long.
+
+    Returns whether one did.
+    """
+    with service.handle:
+        request, header = service.handle.service_take_request(service.srv_type.Request)
+    if header is None:
+        return False
+    service.send_response(service.callback(request, service.srv_type.Response()), header)
+    return True

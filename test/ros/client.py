@@ -5,11 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 import functools
 import itertools
 import json
+import os
 from pathlib import Path
+import signal
 import threading
 import time
 from typing import Any
@@ -119,6 +121,51 @@ def until(condition: Callable[[], Any], what: str = 'it', seconds: float = WAIT)
             raise AssertionError(f'{what} did not happen in {seconds} s')
         pause.wait(0.01)
     return result
+
+
+@contextmanager
+def held_compiler(node: int) -> Iterator[Callable[[], None]]:
+    """Keep the compiler of the node with this process id from working; give what lets it go on.
+
+    It is a process of its own.  If there is none yet, it is held as soon as it is begun.
+    """
+    held: list[int] = []
+    ended = threading.Event()
+
+    def hold() -> bool:
+        for found in children(node)[:1]:
+            held.append(found)
+            os.kill(found, signal.SIGSTOP)
+        return bool(held)
+
+    def wait_for_it() -> None:
+        while not ended.wait(0.001) and not hold():
+            pass
+
+    def go_on() -> None:
+        ended.set()
+        if thread.ident is not None:
+            thread.join()
+        while held:
+            with suppress(ProcessLookupError):  # it may have been ended with its node
+                os.kill(held.pop(), signal.SIGCONT)
+
+    thread = threading.Thread(target=wait_for_it)
+    if not hold():
+        thread.start()
+    try:
+        yield go_on
+    finally:
+        go_on()
+
+
+def children(pid: int) -> list[int]:
+    """Return the processes that any thread of a process has begun."""
+    found: list[int] = []
+    for task in Path(f'/proc/{pid}/task').iterdir():
+        with suppress(OSError):  # a thread that has ended
+            found += map(int, (task / 'children').read_text(encoding='ascii').split())
+    return found
 
 
 class Topic:

@@ -99,6 +99,7 @@ def test_local_variable_when_located_at_an_input_or_output_then_it_is_one(addres
     ({'start.topic': 'a b'}, 'L0603'), ({'start.topic': 'x', 'motor.topic': 'x'}, 'L0608'),
     ({'motor.topic': 'x', 'count.topic': '/x'}, 'L0608'), ({'motor.topic': '~/state'}, 'L0608'),
     ({'start.topic': 'x', 'speed.topic': 'x'}, 'L0608'),
+    ({'motor.publish': 'scan', 'motor.refresh': 1}, 'L0604'), ({'start.refresh': 1}, 'L0604'),
     ({'motor.timeout': 1.0}, 'L0604'), ({'start.safe': True}, 'L0604'),
     ({'start.fallback': True}, 'L0604'), ({'speed.catch_pulse': True}, 'L0604'),
     ({'speed.timeout': 1.0, 'speed.fallback': 70000}, 'L0604'),
@@ -238,6 +239,11 @@ def test_field_when_it_does_not_go_with_the_variable_then_its_code_tells(
     ({'turn.field': 'linear.y', 'turn.scale': 1, 'turn.type': 'geometry_msgs/Accel'}, ['L0608']),
     ({'turn.field': 'linear.y', 'turn.scale': 1, 'turn.qos': 'latched'}, ['L0604']),
     ({'turn.field': 'linear.y', 'turn.scale': 1, 'turn.publish': 'change'}, []),
+    ({'turn.field': 'linear.y', 'turn.scale': 1, 'turn.refresh': 0.5}, []),
+    ({'turn.field': 'linear.y', 'turn.scale': 1, 'turn.refresh': 0.5, 'speed.refresh': 1},
+     ['L0604']),
+    ({'turn.field': 'linear.y', 'turn.scale': 1, 'turn.refresh': 1, 'speed.publish': 'scan'},
+     ['L0604']),
 ])
 def test_message_when_two_entries_speak_of_it_then_they_must_agree(
         other: dict[str, Any], codes: list[str]) -> None:
@@ -291,6 +297,8 @@ def test_packed_variables_when_they_are_elements_then_each_has_its_own() -> None
     ({'io_packed.a.variables': ['nothing', 'go']}, ['L0601']),
     ({'io_packed.a.variables': ['go'], 'io_packed.a.colour': 'x'}, ['L0607']),
     ({'io_packed.a.variables': ['go'], 'io_packed.a.publish': 'scan'}, ['L0604']),
+    ({'io_packed.a.variables': ['go'], 'io_packed.a.refresh': 1}, ['L0604']),
+    ({'io_packed.a.variables': ['lamp'], 'lamp.refresh': 1}, ['L0604']),
 ])
 def test_packed_variables_when_the_list_is_wrong_then_its_code_tells(
         entries: dict[str, Any], codes: list[str]) -> None:

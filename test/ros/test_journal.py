@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from ros.client import COPY, counting, until
+from ros.client import connected, COPY, counting, until
 
 from ladder_ros.ros.journal import Journal
 
@@ -67,6 +67,38 @@ def test_log_when_a_file_fails_and_works_again_then_both_are_told() -> None:
         'warning retain: no space', 'info retain: it works again']
     assert told(state(recording='x'), state(recording='x', recording_error='no space'),
                 state(recording=None)) == ['warning recording: no space']
+
+
+def test_log_when_the_previous_retained_values_were_taken_then_it_is_warned_once() -> None:
+    taken = {'error': None, 'from': 'previous', 'path': '/cell/kept'}
+    (line,) = told(state(retain={'error': None, 'from': None}), state(retain=taken),
+                   state(retain=taken))
+    assert line == ('warning retain: the values saved last are damaged; those saved before them '
+                    'were taken (/cell/kept)')
+
+
+@pytest.mark.ros
+def test_node_when_the_values_saved_last_are_damaged_then_it_warns_and_takes_those_before(
+        plc: Start, start_node: Any, tmp_path: Any) -> None:
+    from diagnostic_msgs.msg import DiagnosticArray
+
+    store = tmp_path / 'kept'
+    settings = {'retain_file': str(store), 'retain_period': 0.1}
+    running = plc(counting('1').replace('name="n"', 'name="n" retain="true"', 1), **settings)
+    until((tmp_path / 'kept.previous').exists, 'the second saving')
+    running.process.interrupt()
+    assert running.process.wait() == 0
+    store.write_text('junk', encoding='utf-8')
+    again, namespace = start_node({'program': str(running.file), **settings})
+    with connected(namespace) as client:
+        retain = client.wait_state(state='running')['retain']
+        assert (retain['from'], retain['restored'], retain['error']) == ('previous', 1, None)
+        reports = client.listen('/diagnostics', DiagnosticArray, field='status')
+        statuses = until(reports.last, 'diagnostics')
+    assert [(status.level, status.message) for status in statuses
+            if status.name.endswith('retain')] == [
+        (b'\1', 'the values saved last were damaged, those before were taken')]
+    assert again.output.count('those saved before them were taken') == 1
 
 
 @pytest.mark.ros

@@ -33,6 +33,7 @@ def test_settings_when_nothing_is_given_then_they_are_the_defaults() -> None:
     ('program', 5), ('program', True), ('autostart', 1), ('autostart', 'yes'),
     ('program_folders', 'a'), ('program_folders', [1]), ('status_period', 0.0),
     ('forces', 'a=1'), ('io.a.qos', 'lathed'), ('io.a.publish', 'never'), ('io.a.timeout', -1.0),
+    ('io.a.refresh', -0.1), ('io.a.refresh', '1'),
     ('io.a.topic', 5), ('io.a.catch_pulse', 'x'), ('io.a.fallback', [1]),
     ('real_time.priority', 100), ('real_time.cpus', 3), ('real_time.cpus', '3-'),
     ('real_time.cpus', '6-4'), ('real_time.cpus', 'all'), ('real_time.lock_memory', 1),

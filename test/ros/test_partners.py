@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+import itertools
 from typing import Any
 
 import pytest
@@ -44,6 +45,13 @@ def endpoint(topic: str, *, output: bool) -> Endpoint:
                     depth=1, output=output)
 
 
+def look(partners: Partners, entities: Mapping[Endpoint, Any]) -> int:
+    """Make a round; return in how many looks."""
+    partners.begin(list(entities))
+    return next(number for number in itertools.count(1)
+                if not partners.look(entities.get, make_qos))
+
+
 def test_input_when_a_best_effort_publisher_comes_and_goes_then_so_does_the_misfit(
         nodes: Any) -> None:
     from rclpy.qos import qos_profile_sensor_data
@@ -58,7 +66,7 @@ def test_input_when_a_best_effort_publisher_comes_and_goes_then_so_does_the_misf
     partners = Partners(node, warnings.append, lambda: None)
 
     def seen(expected: dict[str, str]) -> bool:
-        partners.look(entities, make_qos)
+        look(partners, entities)
         return partners.misfits == expected
 
     publisher = other.create_publisher(Bool, place.topic, qos_profile_sensor_data)
@@ -80,7 +88,7 @@ def test_output_when_another_node_publishes_it_then_that_is_named_until_it_is_go
     partners = Partners(node, warnings.append, lambda: None, patience=0.5)
 
     def seen(expected: dict[str, str]) -> bool:
-        partners.look(entities, make_qos)
+        look(partners, entities)
         return partners.rivals == expected
 
     publisher = other.create_publisher(Bool, place.topic, 1)
@@ -97,7 +105,7 @@ def test_node_when_another_one_has_its_name_then_that_is_told_after_a_while(node
     partners = Partners(node, warnings.append, lambda: None, patience=0.5)
 
     def seen() -> bool:
-        partners.look({}, make_qos)
+        look(partners, {})
         return bool(partners.rivals)
 
     until(lambda: len(node.get_node_names()) == 2, 'both in the graph')
@@ -130,5 +138,30 @@ def test_output_when_a_subscriber_asks_for_more_than_is_offered_then_the_policy_
     other.create_subscription(
         Bool, place.topic, lambda _message: None, QoSProfile(**{'depth': 1, **asked}))
     until(lambda: node.count_subscribers(place.topic), 'the subscriber in the graph')
-    partners.look(entities, make_qos)
+    look(partners, entities)
     assert partners.misfits == ({place.topic: policy} if policy else {})
+
+
+def test_topics_when_there_are_many_then_a_look_ends_in_time_and_a_round_sees_all(
+        nodes: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    from std_msgs.msg import Bool, String
+
+    monkeypatch.setattr('ladder_ros.ros.partners.SLICE', 0.0)  # a topic in each look
+    namespace = new_namespace()
+    node, other = nodes('plc', namespace), nodes('view', namespace)
+    entities = {
+        place: node.create_publisher(Bool, place.topic, make_qos(place))
+        for place in (endpoint(f'{namespace}/t{number}', output=True) for number in range(20))}
+    last = list(entities)[-1]
+    other.create_subscription(String, last.topic, lambda _message: None, 1)
+    until(lambda: node.count_subscribers(last.topic), 'the subscriber in the graph')
+    warnings: list[str] = []
+    partners = Partners(node, warnings.append, lambda: None)
+    assert look(partners, entities) == 21
+    assert partners.misfits == {last.topic: 'type std_msgs/msg/String'} and len(warnings) == 1
+    # What is gone in the middle of a round is left out, and forgotten with the next one.
+    partners.begin(list(entities))
+    assert partners.look(entities.get, make_qos)
+    assert not partners.look({}.get, make_qos)
+    partners.begin(list(entities)[:-1])
+    assert not partners.misfits

@@ -6,9 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 import itertools
-import os
 from pathlib import Path
-import signal
 import threading
 from typing import Any
 
@@ -201,7 +199,6 @@ def test_program_parameter_when_it_is_an_installed_example_then_it_is_found(plc:
 
 def test_node_when_started_without_a_program_then_one_can_be_given_later(
         start_node: Any, tmp_path: Path) -> None:
-    from ros.client import connected
 
     (tmp_path / 'later.xml').write_text(COPY, encoding='utf-8')
     child, namespace = start_node({'program_folders': [str(tmp_path)]})
@@ -251,65 +248,3 @@ def test_reload_when_done_again_and_again_under_load_then_nothing_is_lost_or_tol
     assert set(steps(counted.values)) == {1}
     assert held.values == [True]
     no_scan_lost(before, after)
-
-
-def slow_program(rungs: int) -> str:
-    """Return a program whose compiling takes seconds; b follows a."""
-    memory = [f'm{number}' for number in range(rungs)]
-    return program(
-        {'a': 'input BOOL', 'b': 'output BOOL', **dict.fromkeys(memory, 'local BOOL')},
-        series(1, ['a'], 'b'),
-        *(series(number, ['a', name], name) for number, name in enumerate(memory, 2)))
-
-
-def begin_slow_reload(running: Any) -> tuple[Any, Any]:
-    """Return b, which is TRUE, and the answer to come of a reload that takes seconds."""
-    from std_msgs.msg import Bool
-    from std_srvs.srv import Trigger
-
-    client = running.client
-    follows = client.listen(f'{client.plc}/b', Bool, latched=True)
-    client.send(f'{client.plc}/a', Bool, True)
-    follows.wait(True)
-    service = client.node.create_client(Trigger, f'{client.plc}/reload')
-    until(service.service_is_ready, 'the service')
-    running.file.write_text(slow_program(12_000), encoding='utf-8')
-    threads = f'/proc/{running.process.pid}/task'
-    before = len(os.listdir(threads))
-    reply = service.call_async(Trigger.Request())
-    until(lambda: len(os.listdir(threads)) > before, 'the compiling thread')
-    return follows, reply
-
-
-def test_stop_when_a_program_is_being_compiled_then_it_does_not_wait_for_it(plc: Start) -> None:
-    running = plc(COPY, io={'b': {'safe': False}})
-    follows, reply = begin_slow_reload(running)
-    assert running.client.call('stop')['state'] == 'stopped'
-    assert not reply.done()
-    follows.wait(False)
-    until(reply.done, 'the answer')
-    assert reply.result().success
-    assert running.client.call('start')['state'] == 'running'
-    follows.wait(True)
-
-
-def test_node_when_ended_while_it_starts_then_it_does_not_begin_to_scan(
-        start_node: Any, tmp_path: Path) -> None:
-    file = tmp_path / 'slow.xml'
-    file.write_text(slow_program(12_000), encoding='utf-8')
-    child, namespace = start_node({'program': str(file)})
-    with connected(namespace) as client:
-        services = client.node.get_service_names_and_types
-        until(lambda: f'{client.plc}/stop' in dict(services()), 'the node in the graph')
-        child.interrupt()
-        assert child.wait() == 0
-    assert 'active' not in child.output and 'Traceback' not in child.output
-
-
-def test_node_when_ended_while_it_compiles_then_outputs_are_safe_at_once(plc: Start) -> None:
-    running = plc(COPY, io={'b': {'safe': False}})
-    follows, _ = begin_slow_reload(running)
-    os.kill(running.process.pid, signal.SIGTERM)
-    follows.wait(False)
-    assert running.process.wait() == 0
-    assert 'the node ends' in running.process.output
