@@ -11,8 +11,10 @@ from typing import Any
 import pytest
 from ros.client import new_namespace, until
 
-from ladder_ros.ros.bindings import make_qos
 from ladder_ros.ros.io_points import Endpoint
+
+pytest.importorskip('rclpy')
+from ladder_ros.ros.bindings import make_qos
 from ladder_ros.ros.partners import Partners
 
 pytestmark = pytest.mark.ros

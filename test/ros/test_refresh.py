@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
 import pytest
 from ros.client import COPY, new_namespace, program, series, until
@@ -13,9 +13,11 @@ from ros.test_io_map import executable, SCHEMA
 
 from ladder_ros.executable import Executable
 from ladder_ros.model.types import DataType, NS_PER_S, Value
-from ladder_ros.ros.bindings import Bindings
 from ladder_ros.ros.io_map import resolve_io
 from ladder_ros.session import ScanResult
+
+if TYPE_CHECKING:
+    from ladder_ros.ros.bindings import Bindings
 
 pytestmark = pytest.mark.ros
 Start = Callable[..., Any]
