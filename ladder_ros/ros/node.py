@@ -19,7 +19,7 @@ from typing import Any
 from ladder_ros import __version__
 from ladder_ros.diagnostics import has_errors, InternalError, LadderError, render
 from ladder_ros.ros.io_entries import IO_RULES, PACKED_RULES
-from ladder_ros.ros.parameter_files import not_meant_for, oddities
+from ladder_ros.ros.parameter_files import not_meant_for, oddities, read_files
 from ladder_ros.ros.parameters import read_settings, RULES
 from ladder_ros.ros.reasons import reason_of
 
@@ -102,7 +102,7 @@ def _run(arguments: list[str], stop: threading.Event) -> int:
         plain = remove_ros_args(arguments)[1:]
     except Exception as error:  # bad ROS arguments or parameter file
         return _refuse('\n'.join([f'plc_node cannot start: {_sentence(error)}',
-                                  *oddities(arguments)]))
+                                  *oddities(read_files(arguments))]))
     if len(plain) > 1 or any(text.startswith('-') for text in plain):
         wrong = next((text for text in plain if text.startswith('-')), ' '.join(plain))
         return _refuse(f'plc_node does not understand {wrong!r}; try plc_node --help')
@@ -119,6 +119,13 @@ def _run(arguments: list[str], stop: threading.Event) -> int:
         rclpy.try_shutdown()
 
 
+def _warn_of_files(node: Any, arguments: list[str]) -> None:
+    """Tell what is odd about the parameter files."""
+    files = read_files(arguments)
+    for text in (*oddities(files), *not_meant_for(node.get_fully_qualified_name(), files)):
+        node.get_logger().warning(text)
+
+
 def _serve(node: Any, arguments: list[str], plain: list[str], stop: threading.Event) -> int:
     """Run the program on the node until asked to stop."""
     from ladder_ros.ros.plc import Plc, read_overrides
@@ -132,10 +139,7 @@ def _serve(node: Any, arguments: list[str], plain: list[str], stop: threading.Ev
         return _refuse(render(found))
     for warning in found:
         node.get_logger().warning(str(warning))
-    for text in oddities(arguments):
-        node.get_logger().warning(text)
-    for text in not_meant_for(node.get_fully_qualified_name(), arguments):
-        node.get_logger().warning(text)
+    _warn_of_files(node, arguments)
     failures: list[Exception] = []
 
     def on_end(error: Exception | None) -> None:

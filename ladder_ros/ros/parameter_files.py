@@ -8,7 +8,8 @@ for another node; of a file that is no YAML it tells neither reason nor column.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 import itertools
 from pathlib import Path
 import re
@@ -17,53 +18,58 @@ from typing import Any
 import yaml
 
 _FLAG = '--params-file'
-_UNREADABLE = (OSError, ValueError, RecursionError, yaml.YAMLError)
 
 
-def oddities(arguments: Sequence[str]) -> list[str]:
-    """Return a sentence for each key that is there twice, and for what is no YAML."""
-    return [text for path in _files(arguments) for text in _oddities(path)]
+class _Loader(yaml.SafeLoader):
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        if self.check_event(yaml.AliasEvent):
+            raise ValueError('the client library knows no aliases')
+        return super().compose_node(parent, index)
 
 
-def not_meant_for(node: str, arguments: Sequence[str]) -> list[str]:
-    """Return a sentence for each file that has nothing for the node of this full name."""
-    found = []
-    for path in _files(arguments):
-        names = _names(path)
-        if names and not any(_means(name, node) for name in names):
-            found.append(f'the parameter file {path} has nothing for the node {node}: it is for '
-                         f'{", ".join(names)}; write the name of the node there, or /**')
-    return found
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ParameterFile:
+    """A file on the command line: its document, or what is wrong as YAML with its place."""
+
+    path: Path
+    root: yaml.Node | None = None
+    wrong: str = ''
 
 
-def _files(arguments: Sequence[str]) -> Iterator[Path]:
-    for flag, value in itertools.pairwise(arguments):
-        if flag == _FLAG:
-            yield Path(value)
+def read_files(arguments: Sequence[str]) -> list[ParameterFile]:
+    """Return the parameter files of a command line; what cannot be read at all is empty."""
+    return [_read(Path(value)) for flag, value in itertools.pairwise(arguments) if flag == _FLAG]
 
 
-def _root(path: Path) -> yaml.Node | None:
-    """Return the document of a file; raises the errors of ``_UNREADABLE``."""
-    text = path.read_text(encoding='utf-8')
-    if any(isinstance(event, yaml.AliasEvent)
-           for event in yaml.parse(text, Loader=yaml.SafeLoader)):
-        raise ValueError('the client library knows no aliases')
-    return yaml.compose(text, Loader=yaml.SafeLoader)
-
-
-def _oddities(path: Path) -> Iterator[str]:
+def _read(path: Path) -> ParameterFile:
     try:
-        root = _root(path)
+        return ParameterFile(
+            path=path, root=yaml.compose(path.read_text(encoding='utf-8'), Loader=_Loader))
     except yaml.MarkedYAMLError as error:
         place, mark = str(path), error.problem_mark
         if mark is not None:
             place += f':{mark.line + 1}:{mark.column + 1}'
         tab = '; YAML is indented with spaces' if '\\t' in str(error.problem) else ''
-        yield f'{place}: {error.problem}{tab}'
-    except _UNREADABLE:
-        return  # the client library has told
-    else:
-        yield from _twice(path, root, '')
+        return ParameterFile(path=path, wrong=f'{place}: {error.problem}{tab}')
+    except (OSError, ValueError, RecursionError, yaml.YAMLError):
+        return ParameterFile(path=path)  # the client library has told
+
+
+def oddities(files: Iterable[ParameterFile]) -> list[str]:
+    """Return a sentence for each key that is there twice, and for what is no YAML."""
+    return [text for file in files
+            for text in ([file.wrong] if file.wrong else _twice(file.path, file.root, ''))]
+
+
+def not_meant_for(node: str, files: Iterable[ParameterFile]) -> list[str]:
+    """Return a sentence for each file that has nothing for the node of this full name."""
+    found = []
+    for file in files:
+        names = list(_sections(file.root, ''))
+        if names and not any(_means(name, node) for name in names):
+            found.append(f'the parameter file {file.path} has nothing for the node {node}: it is '
+                         f'for {", ".join(names)}; write the name of the node there, or /**')
+    return found
 
 
 def _twice(path: Path, node: yaml.Node | None, prefix: str) -> Iterator[str]:
@@ -80,16 +86,8 @@ def _twice(path: Path, node: yaml.Node | None, prefix: str) -> Iterator[str]:
         yield from _twice(path, value, f'{prefix}{name}.')
 
 
-def _names(path: Path) -> list[str]:
-    """Return for which nodes a file has parameters."""
-    try:
-        root = _root(path)
-    except _UNREADABLE:
-        return []
-    return list(_sections(root, '')) if root is not None else []
-
-
-def _sections(node: yaml.Node, name: str) -> Iterator[str]:
+def _sections(node: yaml.Node | None, name: str) -> Iterator[str]:
+    """Yield for which nodes a file has parameters."""
     if not isinstance(node, yaml.MappingNode):
         return
     for key, value in node.value:
