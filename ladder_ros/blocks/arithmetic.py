@@ -15,9 +15,9 @@ import operator
 from typing import Any
 
 from ladder_ros.blocks.durations import divide_time, multiply_time
-from ladder_ros.blocks.functions import Function, into, Maker, quotient, require
+from ladder_ros.blocks.functions import Function, into, Maker, require
 from ladder_ros.model.catalogue import Generic
-from ladder_ros.model.types import DataType, Value
+from ladder_ros.model.types import DataType, quotient, Value
 
 Operation = Callable[[Any, Any], Any]
 

@@ -27,7 +27,6 @@ from ladder_ros.blocks.functions import (
     Function,
     into,
     Maker,
-    quotient,
     real_from_integer,
     require,
 )
@@ -38,6 +37,7 @@ from ladder_ros.model.types import (
     NS_PER_MS,
     NS_PER_S,
     parse_time,
+    quotient,
     SIGNED,
     TIME_RANGE,
     Value,

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import math
 
-from ladder_ros.blocks.functions import Function, into, Maker, quotient
-from ladder_ros.model.types import DataType, NS_PER_S, TIME_RANGE, Value
+from ladder_ros.blocks.functions import Function, into, Maker
+from ladder_ros.model.types import DataType, NS_PER_S, quotient, TIME_RANGE, Value
 
 _wrapped = into(DataType.TIME)
 

@@ -48,12 +48,6 @@ def require(name: str, type_: DataType, generic: Generic, *more: DataType) -> No
         raise InternalError('blocks', f'{name} is not defined for {type_}')
 
 
-def quotient(first: int, second: int) -> int:
-    """Divide integers, truncating towards zero; the divisor is not zero."""
-    result = abs(first) // abs(second)
-    return result if (first < 0) is (second < 0) else -result
-
-
 def real_from_integer(value: int) -> float:
     """Return the REAL nearest to an integer.
 

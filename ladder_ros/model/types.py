@@ -94,6 +94,12 @@ def wrap_integer(value: int, type_: DataType) -> int:
     return (value - low) % (high - low + 1) + low
 
 
+def quotient(first: int, second: int) -> int:
+    """Divide integers, truncating towards zero; the divisor is not zero."""
+    result = abs(first) // abs(second)
+    return result if (first < 0) is (second < 0) else -result
+
+
 def round_real(value: float) -> float:
     """Round to the nearest 32-bit float; too large becomes infinite."""
     try:

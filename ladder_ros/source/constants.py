@@ -15,7 +15,7 @@ from ladder_ros.model.st import (
     UnaryExpression,
     VariableExpression,
 )
-from ladder_ros.model.types import DataType, parse_literal, Value
+from ladder_ros.model.types import DataType, parse_literal, quotient, Value
 from ladder_ros.source.st_parser import parse_expression
 
 Number = int | float
@@ -95,8 +95,8 @@ def combined(operator: str, left: Number, right: Number) -> Number:
         case '/' | 'MOD' if not right:
             raise ValueError('it divides by zero')
         case '/' | 'MOD' if isinstance(left, int) and isinstance(right, int):
-            quotient = abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1)
-            return quotient if operator == '/' else left - right * quotient
+            whole_times = quotient(left, right)
+            return whole_times if operator == '/' else left - right * whole_times
         case '/':
             return left / right
     raise ValueError(f'{operator} may not stand in a declaration')
