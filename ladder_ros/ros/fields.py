@@ -347,6 +347,8 @@ def row_reader(owners: Sequence[tuple[Steps, Sequence[tuple[Field, Plain | None]
 def _part_reader(steps: Steps, fields: Sequence[tuple[Field, Plain]]) -> Row:
     if len(fields) == 1:
         (field, plain), = fields
+        if field.bit is None and field.type.kind != 'octet':
+            return _one_reader(field.steps, plain)
         get = reader(field)
         return lambda message: (plain(get(message)),)
     owner = getter(steps)
@@ -363,10 +365,10 @@ def _part_reader(steps: Steps, fields: Sequence[tuple[Field, Plain]]) -> Row:
 
 
 @cache
-def single_reader(field: Field) -> Callable[[Any], Any]:
-    """Return a :func:`reader`, the same for all topics that are alike, to be in the caches."""
-    return getter(field.steps) if field.bit is None and field.type.kind != 'octet' \
-        else reader(field)
+def _one_reader(steps: Steps, plain: Plain) -> Row:
+    """Read a single field: the same for all topics that are alike, to be in the caches."""
+    get = getter(steps)
+    return lambda message: (plain(get(message)),)
 
 
 def _bits_reader(owner: Callable[[Any], Any], fields: Sequence[Field]) -> Row:

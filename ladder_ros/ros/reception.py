@@ -14,7 +14,7 @@ from typing import Any
 
 from ladder_ros.model.types import Value
 from ladder_ros.ros.conversions import Misfit
-from ladder_ros.ros.fields import getter, picker, reader, row_reader, single_reader, Steps
+from ladder_ros.ros.fields import getter, picker, reader, row_reader, Steps
 from ladder_ros.ros.io_points import Endpoint, InputPoint
 from ladder_ros.session import Inlet
 
@@ -169,8 +169,8 @@ class Source:
     comes.
     """
 
-    __slots__ = ('_indices', '_plain', '_pulses', '_read', '_store', '_ways', 'endpoint', 'last',
-                 'lock', 'messages', 'receive', 'subscription', 'values')
+    __slots__ = ('_indices', '_pulses', '_read', '_store', '_ways', 'endpoint', 'last', 'lock',
+                 'messages', 'receive', 'subscription', 'values')
 
     def __init__(self, endpoint: Endpoint) -> None:
         """Start with nobody to feed and nothing received."""
@@ -211,22 +211,6 @@ class Source:
                 self._read = read
                 (self._store,) = stores
                 self.receive = self._receive_row
-                if len(items) == 1 and (plain := items[0].point.conversion.plain) is not None:
-                    self._read, self._plain = single_reader(items[0].point.field), plain
-                    self.receive = self._receive_one
-
-    def _receive_one(self, message: Any) -> None:
-        """Hand on the only value, which the variable can hold."""
-        try:
-            values = (self._plain(self._read(message)),)
-        except IndexError:
-            self._receive_one_by_one(message)
-            return
-        self.last = message
-        with self.lock:
-            self.values = values
-            self.messages += 1
-            self._store(self._indices, values, self._pulses)
 
     def _receive_row(self, message: Any) -> None:
         """Hand on what every variable can hold, if it is there."""
