@@ -29,9 +29,9 @@ from ladder_ros.compiler.st_places import (
     Wrong,
 )
 from ladder_ros.compiler.st_values import (
+    claimed_type,
     folded,
     joined_type,
-    literal_type,
     Number,
     OnStack,
     read_literal,
@@ -256,7 +256,7 @@ class ExpressionEmitter:
             return read_literal(expression.text)
         except ValueError as error:
             self.lowering.report('L0205', expression.location, expression.text,
-                                 type=literal_type(expression.text), reason=error)
+                                 type=claimed_type(expression.text), reason=error)
             raise Wrong from None
 
     def _place(self, variable: VariableExpression) -> Place | None:

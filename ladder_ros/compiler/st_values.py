@@ -197,7 +197,7 @@ def why_not(text: str, type_: DataType | None) -> str:
     return f'{text} is no value of type {type_}'
 
 
-def literal_type(text: str) -> str:
+def claimed_type(text: str) -> str:
     """Return what a literal claims to be, for messages."""
     prefix, mark, _ = text.upper().partition('#')
     if '"' in text[:9] or "'" in text[:8]:

@@ -97,7 +97,7 @@ class Plc:
             node, self.state, self._condition, self._tasks, settings.status_period,
             Journal(self._log).note)
         self._rounds = Rounds(
-            node, lambda: self._keep_house(lambda: self._cell.bindings.begin_look()),
+            node, lambda: self._keep_house(self._cell.bindings.begin_look),
             self._look_around)
         self._services = serve(node, {
             'reload': self.reload, 'start': self.start, 'stop': self.stop, 'reset': self.reset,
